@@ -1,5 +1,6 @@
 //! What a scenario is on one of its hosts: programs that sit in seats for processes on the other one, and the link.
 
+use crate::run_plan::RunPlan;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use zeronav_msgs::role::Role;
@@ -50,6 +51,23 @@ pub(crate) struct OnHost {
     pub remote: Vec<Role>,
 }
 
+impl OnHost {
+    /// Accepts programs and settings for seats of this host: on the other one they would be needed.
+    ///
+    /// # Errors
+    /// One line that names the seat.
+    pub(crate) fn accept(&self, plan: &RunPlan) -> Result<(), String> {
+        let mut others = self.remote.iter().chain(&self.left_out);
+        let is_told =
+            |role: &&Role| plan.binaries.contains_key(role) || plan.settings.of(**role).is_some();
+        others.find(is_told).map_or(Ok(()), |role| {
+            Err(format!(
+                "{role}: its process is on the other host; say there what it is and how it is set"
+            ))
+        })
+    }
+}
+
 /// Puts into the scenario what fills its seats on `host`.
 ///
 /// # Errors
@@ -69,7 +87,6 @@ pub(crate) fn lay_over(scenario: &mut Scenario, host: &str) -> Result<OnHost, St
         for (role, service) in scenario.services.each_mut() {
             if elsewhere.contains(&role) {
                 service.binary = Some(PathBuf::from(REMOTE_SEAT));
-                service.shadow = None;
             }
         }
     }
@@ -115,7 +132,6 @@ fn link_config(scenario: &Scenario, host: &str) -> toml::Table {
         set("connect", connect.into());
     }
     if let Some(keys) = own.keys {
-        let keys = std::path::absolute(&keys).unwrap_or(keys);
         set("keys", keys.display().to_string().into());
     }
     config

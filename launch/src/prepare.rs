@@ -21,6 +21,7 @@ use zeronav_msgs::time::nanoseconds;
 use zeronav_scenario::as_far::AsFar;
 use zeronav_scenario::assignment::lay_over;
 use zeronav_scenario::fault_plan;
+use zeronav_scenario::hosts::host_of;
 use zeronav_scenario::{Scenario, StackFault};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::memory;
@@ -93,6 +94,12 @@ impl Prepared {
     /// the other host hangs.
     pub(crate) fn judges_hangs(&self, role: Role) -> bool {
         self.mode == RunMode::RealTime || !self.remote.contains(&role)
+    }
+
+    /// The host that fills a seat; `None` when one computer fills all.
+    pub(crate) fn host_of(&self, role: Role) -> Option<String> {
+        let host = host_of(&self.scenario.hosts, role.label());
+        host.filter(|_| !self.remote.is_empty()).map(str::to_owned)
     }
 
     /// Time from scan to scan. [ns]
@@ -313,6 +320,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         companions,
         swaps,
     } = check_scenario(scenario_of(plan)?, &plan.external, plan.host.as_deref())?;
+    on_host.as_ref().map_or(Ok(()), |it| it.accept(plan))?;
     for warning in &warnings {
         tracing::warn!("{warning}");
     }

@@ -1,8 +1,7 @@
 //! How each seat did: who answered there last, and how it ended.
 
 use crate::keeper::Keeper;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use crate::prepare::Prepared;
 use zeronav_measure::result::ServiceResult;
 use zeronav_msgs::role::Role;
 use zeronav_supervise::Stack;
@@ -14,7 +13,7 @@ use zeronav_supervise::occupant::{Occupant, file_name};
 pub(crate) fn stop(
     stack: &mut Stack,
     keeper: &Keeper<'_>,
-    binaries: &BTreeMap<Role, PathBuf>,
+    prepared: &Prepared,
 ) -> Vec<ServiceResult> {
     let died: Vec<Role> = stack
         .children
@@ -27,7 +26,7 @@ pub(crate) fn stop(
         let occupant = stack.occupants.get(&role);
         let child = stack.children.iter_mut().find(|child| child.role == role);
         let Some(child) = child else {
-            let external = !binaries.contains_key(&role);
+            let external = !prepared.binaries.contains_key(&role);
             reports.extend(external.then(|| external_service(role, occupant)));
             continue;
         };
@@ -44,6 +43,7 @@ pub(crate) fn stop(
             name: role.to_string(),
             pid: other.map_or(child.pid(), |other| other.pid),
             binary: other.map_or_else(|| file_name(&child.binary), |other| other.binary.clone()),
+            host: prepared.host_of(role),
             external: false,
             key: None,
             starts: keeper.starts(role),
@@ -61,6 +61,7 @@ fn external_service(role: Role, occupant: Option<&Occupant>) -> ServiceResult {
         name: role.to_string(),
         pid: occupant.map_or(0, |occupant| occupant.pid),
         binary: occupant.map_or_else(|| "none".to_owned(), |occupant| occupant.binary.clone()),
+        host: None,
         external: true,
         key: None,
         starts: 0,

@@ -7,7 +7,7 @@ use crate::show::page::{write_companions, write_troubles};
 use crate::subject::Subject;
 use core::fmt::Write;
 use zeronav_measure::result::Environment;
-use zeronav_measure::result::latency::Figures;
+use zeronav_measure::result::latency::{Figures, Latency};
 use zeronav_measure::result::stay::StayResult;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
@@ -26,13 +26,19 @@ pub(crate) fn of(prepared: &Prepared, driven: &Driven, environment: Environment)
         starved: driven.starved.clone(),
         faults: driven.faults.clone(),
         swaps: driven.swaps.clone(),
-        latency: (prepared.mode == RunMode::RealTime)
-            .then(|| judge::latency(&Subject::of(prepared, driven)).1),
+        latency: (prepared.mode == RunMode::RealTime).then(|| latency(prepared, driven)),
         services: driven.services.clone(),
         companions: driven.companions.clone(),
+        link: driven.link.clone(),
         environment,
         directory: prepared.directory.display().to_string(),
     }
+}
+
+fn latency(prepared: &Prepared, driven: &Driven) -> Latency {
+    let (_, mut latency) = judge::latency(&Subject::of(prepared, driven));
+    judge::add_clocks(&mut latency, prepared, driven);
+    latency
 }
 
 /// A few lines.
@@ -61,6 +67,9 @@ pub(crate) fn to_text(result: &StayResult) -> String {
         &mut text,
     );
     write_companions(&result.companions, &mut text);
+    if let Some(link) = &result.link {
+        let _ = writeln!(text, "  link {link}");
+    }
     let _ = writeln!(text, "  {}", result.directory);
     text
 }

@@ -4,8 +4,10 @@ use crate::{Zeronav, command, shipped};
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::net::TcpListener;
+use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use zeronav_msgs::role::Role;
 
 /// The program of the way.
 const WAY: &str = include_str!("way.py");
@@ -17,12 +19,41 @@ static COUNT: AtomicU32 = AtomicU32::new(0);
 /// `end`.
 #[must_use]
 pub fn scenario(name: &str, end: &str) -> String {
+    split(name, &["mapping", "global_planner", "local_planner"], end)
+}
+
+/// The shipped scenario `name`, with these seats on the base, which listens at `end`, and the others on the robot. Where
+/// that is one of TLS, the keys are in the folder `keys` beside the scenario.
+#[must_use]
+pub fn split(name: &str, on_base: &[&str], end: &str) -> String {
     let text = shipped(name);
+    let seats = Role::SERVICES.map(Role::label).into_iter();
+    let on_robot: Vec<&str> = seats.filter(|seat| !on_base.contains(seat)).collect();
+    let keys = if end.starts_with("tls/") {
+        "keys = \"keys\"\n"
+    } else {
+        ""
+    };
     format!(
-        "{text}\n\
-         [hosts.robot]\nseats = [\"robot\", \"collision_guard\"]\n\
-         [hosts.base]\nseats = [\"mapping\", \"global_planner\", \"local_planner\"]\nlisten = \"{end}\"\n"
+        "{text}\n[hosts.robot]\nseats = {on_robot:?}\n{keys}\
+         [hosts.base]\nseats = {on_base:?}\nlisten = \"{end}\"\n{keys}"
     )
+}
+
+/// Makes keys for both hosts of this computer in the new folder.
+///
+/// # Panics
+/// When `zeronav link keys` does not.
+pub fn make_keys(folder: &Path) {
+    let mut command = command();
+    command.args(["link", "keys"]).arg(folder);
+    command.args(["robot=127.0.0.1", "base=127.0.0.1"]);
+    let made = command.output().expect("zeronav starts");
+    assert!(
+        made.status.success(),
+        "{}",
+        String::from_utf8_lossy(&made.stderr)
+    );
 }
 
 /// An end on this computer that nobody listens at.
@@ -50,12 +81,26 @@ impl Way {
     /// When this user may not make network namespaces, which is the administrator's right: CI runs as such.
     #[must_use]
     pub fn new() -> Self {
+        Self::with(&[])
+    }
+
+    /// Makes one of a pair of the kernel's devices, which is always good and costs nothing.
+    ///
+    /// # Panics
+    /// As [`Self::new`].
+    #[must_use]
+    pub fn plain() -> Self {
+        Self::with(&["--plain"])
+    }
+
+    fn with(flags: &[&str]) -> Self {
         let n = COUNT.fetch_add(1, Ordering::Relaxed);
         let names =
             ["robot", "base"].map(|side| format!("zeronav-{}-{n}-{side}", std::process::id()));
         let mut process = Command::new("python3")
             .args(["-c", WAY])
             .args([&names[0], "10.77.0.1/24", &names[1], "10.77.0.2/24"])
+            .args(flags)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -104,12 +149,24 @@ impl Way {
     /// `zeronav` on one of the two hosts: 0 the robot's, 1 the base.
     #[must_use]
     pub fn zeronav(&self, side: usize) -> Command {
-        let zeronav = command();
-        let mut command = Command::new("ip");
-        command.args(["netns", "exec", &self.names[side]]);
-        command.arg(zeronav.get_program()).env_remove("CARGO");
-        command
+        inside(&self.names[side], &command())
     }
+
+    /// Names of the two namespaces: that of the robot and that of the base.
+    #[must_use]
+    pub fn names(&self) -> &[String; 2] {
+        &self.names
+    }
+}
+
+/// This command in a network namespace, without cargo and in this process's folder.
+#[must_use]
+pub fn inside(namespace: &str, command: &Command) -> Command {
+    let mut inside = Command::new("ip");
+    inside.args(["netns", "exec", namespace]);
+    inside.arg(command.get_program()).args(command.get_args());
+    inside.env_remove("CARGO");
+    inside
 }
 
 impl Default for Way {
@@ -124,6 +181,34 @@ impl Drop for Way {
         drop(self.process.stdin.take());
         let _ = self.process.wait();
     }
+}
+
+/// Starts `zeronav` by this command in a folder with `scenario.toml` and the folder of keys.
+///
+/// # Panics
+/// When those cannot be put there.
+#[must_use]
+pub fn start_with_keys(
+    command: Command,
+    scenario: &str,
+    keys: &Path,
+    arguments: &[&str],
+) -> Zeronav {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("scenario.toml"), scenario).expect("written");
+    std::os::unix::fs::symlink(keys, folder.path().join("keys")).expect("a link");
+    Zeronav::start_by(command, folder, arguments)
+}
+
+/// What the link of a host has logged so far.
+#[must_use]
+pub fn link_log(host: &Zeronav) -> String {
+    let runs = std::fs::read_dir(host.folder.path().join("runs"));
+    let logs = runs.into_iter().flatten().flatten().map(|run| {
+        let log = run.path().join("logs/link.log");
+        std::fs::read_to_string(log).unwrap_or_default()
+    });
+    logs.collect()
 }
 
 /// Starts `zeronav` by this command in a folder with `scenario.toml`.

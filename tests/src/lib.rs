@@ -202,14 +202,7 @@ impl Zeronav {
     /// Never: whatever goes wrong is `None`.
     #[must_use]
     pub fn report(&self) -> Option<Value> {
-        let root = self.domains().pop()?;
-        let mut stream = UnixStream::connect(root.join("control.sock")).ok()?;
-        stream.set_read_timeout(Some(Duration::from_secs(5))).ok()?;
-        stream.write_all(b"{\"command\":\"ps\"}\n").ok()?;
-        let mut line = String::new();
-        BufReader::new(&stream).read_line(&mut line).ok()?;
-        let reply: Value = serde_json::from_str(&line).ok()?;
-        reply.get("run").cloned()
+        report_of(self.pid())
     }
 
     /// True once it has ended.
@@ -391,6 +384,19 @@ impl Drop for Stranger {
 pub fn send_signal(pid: u32, signal: Signal) -> bool {
     let pid = i32::try_from(pid).ok().and_then(Pid::from_raw);
     pid.is_some_and(|pid| kill_process(pid, signal).is_ok())
+}
+
+/// What the run of this launch says of itself; `None` before it listens.
+#[must_use]
+pub fn report_of(pid: u32) -> Option<Value> {
+    let root = domains_of(pid).pop()?;
+    let mut stream = UnixStream::connect(root.join("control.sock")).ok()?;
+    stream.set_read_timeout(Some(Duration::from_secs(5))).ok()?;
+    stream.write_all(b"{\"command\":\"ps\"}\n").ok()?;
+    let mut line = String::new();
+    BufReader::new(&stream).read_line(&mut line).ok()?;
+    let reply: Value = serde_json::from_str(&line).ok()?;
+    reply.get("run").cloned()
 }
 
 /// True while a process with this id runs (a zombie does not).

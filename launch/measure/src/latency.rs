@@ -137,6 +137,7 @@ fn table(places: &[usize], hops: &[Series; HOPS.len()], deadline_ns: u64) -> Vec
     let row = |place: &usize| Hop {
         name: HOPS[*place].to_owned(),
         figures: hops[*place].figures(deadline_ns),
+        clock_uncertainty_us: None,
     };
     places.iter().map(row).collect()
 }
@@ -208,6 +209,7 @@ impl Latency {
                 name: hop.name.clone(),
                 figures: figures(&|round| of(round).get(at).map(|hop| hop.figures))
                     .unwrap_or_default(),
+                clock_uncertainty_us: hop.clock_uncertainty_us,
             };
             first.iter().enumerate().map(row).collect()
         };

@@ -3,7 +3,7 @@
 use super::check::{Checked, Examined};
 use super::document::{self, Reading};
 use super::library::Origin;
-use super::{Library, Scenario, ScenarioError, absolute, binaries_of, files_of};
+use super::{Library, Scenario, ScenarioError, absolute, binaries_of, files_of, hosts};
 use std::path::Path;
 
 /// A scenario as far as it could be read.
@@ -120,6 +120,10 @@ impl Scenario {
             {
                 *binary = absolute(&folder.join(&*binary));
             }
+        }
+        for (field, keys) in hosts::keys_of(&mut scenario.hosts) {
+            let folder = document.folder_of(&field).unwrap_or(Path::new(""));
+            *keys = absolute(&folder.join(&*keys));
         }
         let scenario = Self {
             name,

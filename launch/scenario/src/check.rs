@@ -72,6 +72,12 @@ impl Scenario {
         wrong.extend(self.check_swaps().err());
         wrong.extend(companions::check(&self.companions));
         wrong.extend(hosts::check(&self.hosts));
+        wrong.extend(hosts::check_services(
+            &self.hosts,
+            (&self.faults, self.random_faults.as_ref()),
+            self.shadows().map(|(role, _)| role),
+            self.restart.hang_after_s,
+        ));
         let refused = |error: SpecError| self.error_at(&error.field, &error.why);
         let mut all = Vec::new();
         let loaded = zeronav_world_files::load(&self.world).map_err(|error| match error {

@@ -1,5 +1,7 @@
 //! Hosts: which computer fills which seats of a stack that two of them drive.
 
+use crate::{KINDS, RandomFaults, StackFault, mortals};
+use core::net::IpAddr;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -10,6 +12,10 @@ use zeronav_world::error::SpecError;
 
 /// Hosts of a stack.
 pub const HOSTS: usize = 2;
+
+/// Shortest time after which a service may count as hung: the link beats for those of the other host once it has heard
+/// nothing for 0.25 s. [s]
+const HANG_AFTER_S_MIN: f64 = 0.5;
 
 /// Longest name. [characters]
 const NAME_CHARS_MAX: usize = 32;
@@ -27,7 +33,7 @@ pub struct HostSpec {
     /// Where it finds the other host, if not where that listens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub connect: Option<String>,
-    /// Folder on this computer with `ca.pem`, `HOST.pem` and `HOST.key`, for `tls/`.
+    /// Folder on this computer with `ca.pem`, `HOST.pem` and `HOST.key`, for `tls/`. Once it was read, an absolute path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keys: Option<PathBuf>,
 }
@@ -51,6 +57,14 @@ pub fn commands(hosts: &BTreeMap<String, HostSpec>) -> Option<&str> {
     Some(name)
 }
 
+/// The host that fills the seat with this label.
+#[must_use]
+pub fn host_of<'a>(hosts: &'a BTreeMap<String, HostSpec>, seat: &str) -> Option<&'a str> {
+    let fills = |(_, host): &(&String, &HostSpec)| host.seats.iter().any(|label| label == seat);
+    let (name, _) = hosts.iter().find(fills)?;
+    Some(name)
+}
+
 /// The end of the way between the two hosts, as host `name` opens it: where it listens, and where it connects to; one
 /// of them is empty.
 #[must_use]
@@ -66,6 +80,64 @@ pub fn ends(hosts: &BTreeMap<String, HostSpec>, name: &str) -> (String, String) 
         Some(listen) => (listen, String::new()),
         None => (String::new(), connect.unwrap_or_default()),
     }
+}
+
+/// The folders of keys, and where they are named.
+pub(super) fn keys_of(
+    hosts: &mut BTreeMap<String, HostSpec>,
+) -> impl Iterator<Item = (String, &mut PathBuf)> {
+    hosts.iter_mut().filter_map(|(name, host)| {
+        let field = format!("hosts.{name}.keys");
+        Some((field, host.keys.as_mut()?))
+    })
+}
+
+/// What a scenario with hosts cannot ask for, by field: launch has the processes of its own host alone.
+pub(super) fn check_services(
+    hosts: &BTreeMap<String, HostSpec>,
+    (faults, random): (&[StackFault], Option<&RandomFaults>),
+    shadows: impl Iterator<Item = Role>,
+    hang_after_s: f64,
+) -> Vec<SpecError> {
+    let Some(host) = commands(hosts) else {
+        return Vec::new();
+    };
+    let is_remote = |seat: &str| host_of(hosts, seat).is_some_and(|other| other != host);
+    let ends = |kind: &str| ["kill", "stop"].contains(&kind);
+    let why = |seat: &str| format!("{seat} is not on {host}: what is killed or stopped is");
+    let mut wrong = Vec::new();
+    for (index, fault) in faults.iter().enumerate() {
+        if ends(fault.kind()) && is_remote(fault.target()) {
+            let field = format!("faults[{index}].service");
+            wrong.push(SpecError::new(field, why(fault.target())));
+        }
+    }
+    if let Some(random) = random {
+        let drawn = KINDS.iter().filter(|kind| kind.is_drawn);
+        let kinds: Vec<&str> = match &random.kinds[..] {
+            [] => drawn.map(|kind| kind.name).collect(),
+            kinds => kinds.iter().map(String::as_str).collect(),
+        };
+        let services: Vec<&str> = match &random.services[..] {
+            [] => mortals().map(Role::label).collect(),
+            services => services.iter().map(String::as_str).collect(),
+        };
+        let remote = services.into_iter().find(|seat| is_remote(seat));
+        let remote = remote.filter(|_| kinds.into_iter().any(ends));
+        wrong.extend(remote.map(|seat| SpecError::new("random_faults.services", why(seat))));
+    }
+    for role in shadows {
+        if is_remote(role.label()) {
+            let why = format!("{role} is not on {host}: a shadow runs beside its seat there");
+            wrong.push(SpecError::new(format!("services.{role}.shadow"), why));
+        }
+    }
+    if hang_after_s > 0.0 && hang_after_s < HANG_AFTER_S_MIN {
+        let why =
+            format!("with hosts at least {HANG_AFTER_S_MIN}, as a way that is cut is no hang");
+        wrong.push(SpecError::new("restart.hang_after_s", why));
+    }
+    wrong
 }
 
 /// Everything that is wrong with the hosts of a scenario, by field.
@@ -109,6 +181,14 @@ pub(super) fn check(hosts: &BTreeMap<String, HostSpec>) -> Vec<SpecError> {
         }
     }
     wrong.extend(check_seats(hosts));
+    for (name, host) in hosts {
+        let connects =
+            |(other, host): (&String, &HostSpec)| other != name && host.connect.is_some();
+        if host.listen.as_deref().is_some_and(is_anywhere) && !hosts.iter().any(connects) {
+            let why = "listens everywhere: the other host says with `connect` where it finds it";
+            wrong.push(SpecError::new(format!("hosts.{name}.listen"), why));
+        }
+    }
     if hosts.values().filter(|host| host.listen.is_some()).count() != 1 {
         let why = "one of the hosts says where it listens: listen = \"tcp/ADDRESS:PORT\"";
         wrong.push(SpecError::new("hosts", why));
@@ -161,6 +241,14 @@ fn is_name(name: &str) -> bool {
     name.starts_with(|first: char| first.is_ascii_lowercase())
         && name.len() <= NAME_CHARS_MAX
         && name.bytes().all(is_one)
+}
+
+/// True for an end at every address of a computer, to which nobody can connect.
+fn is_anywhere(end: &str) -> bool {
+    let address = end.split_once('/').map_or(end, |(_, address)| address);
+    let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
+    let host = host.trim_start_matches('[').trim_end_matches(']');
+    host.parse().is_ok_and(|host: IpAddr| host.is_unspecified())
 }
 
 /// Why a way cannot have this end.
@@ -250,6 +338,69 @@ mod tests {
         robot.connect = Some("tcp/example.org:80".to_owned());
         assert_eq!(check(&hosts), []);
         assert_eq!(ends(&hosts, "robot").1, "tcp/example.org:80");
+    }
+
+    #[test]
+    fn the_folder_of_keys_lies_beside_the_scenario() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = "title = \"t\"\nstart = [1.0, 1.0, 0.0]\n[world]\narea_m = [[0.0, 0.0], [3.0, 3.0]]\n\
+                    [robot]\npreset = \"jackal\"\n[hosts.robot]\nseats = []\nkeys = \"its/keys\"\n";
+        std::fs::write(folder.path().join("it.toml"), text).expect("written");
+        let library = crate::Library::of(folder.path());
+        let read = crate::Scenario::load_from(&library, "./it.toml").expect("a scenario");
+        let keys = read.hosts["robot"].keys.as_deref();
+        assert_eq!(keys, Some(&*folder.path().join("its/keys")));
+    }
+
+    #[test]
+    fn what_is_killed_stopped_or_shadowed_is_on_the_host_of_launch() {
+        let kill = |service: &str| StackFault::Kill {
+            service: service.to_owned(),
+            begins: None,
+        };
+        let fields = |faults: &[StackFault], random: Option<&RandomFaults>, shadow: Role| {
+            let wrong = check_services(&two(), (faults, random), [shadow].into_iter(), 0.5);
+            wrong
+                .into_iter()
+                .map(|error| error.field)
+                .collect::<Vec<_>>()
+        };
+        let guard = Role::CollisionGuard;
+        assert!(fields(&[kill("collision_guard")], None, guard).is_empty());
+        let faults = [kill("collision_guard"), kill("mapping")];
+        assert_eq!(
+            fields(&faults, None, Role::Mapping),
+            ["faults[1].service", "services.mapping.shadow"]
+        );
+        let mut random = RandomFaults {
+            count: 1,
+            from_s: 0.0,
+            until_s: 1.0,
+            seed: None,
+            kinds: Vec::new(),
+            services: Vec::new(),
+        };
+        assert_eq!(
+            fields(&[], Some(&random), guard),
+            ["random_faults.services"]
+        );
+        random.kinds = vec!["slow".to_owned()];
+        assert!(fields(&[], Some(&random), guard).is_empty());
+        random.kinds = vec!["stop".to_owned()];
+        random.services = vec!["collision_guard".to_owned()];
+        assert!(fields(&[], Some(&random), guard).is_empty());
+    }
+
+    #[test]
+    fn a_host_that_listens_everywhere_is_found_somewhere() {
+        for end in ["tcp/0.0.0.0:7447", "tcp/[::]:7447"] {
+            let mut hosts = two();
+            hosts.get_mut("base").expect("a host").listen = Some(end.to_owned());
+            assert_eq!(fields(&hosts), ["hosts.base.listen"]);
+            let robot = hosts.get_mut("robot").expect("a host");
+            robot.connect = Some("tcp/10.0.0.2:7447".to_owned());
+            assert_eq!(check(&hosts), []);
+        }
     }
 
     #[test]

@@ -141,6 +141,9 @@ pub(crate) struct ServiceReport {
     pub binary: String,
     /// Restarts of its seat.
     pub restarts: u32,
+    /// The host that fills its seat, in a stack of two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub host: Option<String>,
 }
 
 /// A process beside a stack. What an older program does not tell has its default.

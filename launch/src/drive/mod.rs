@@ -20,6 +20,7 @@ use crate::began;
 use crate::collect::Collector;
 use crate::configs;
 use crate::ending::Ending;
+use crate::host;
 use crate::prepare::Prepared;
 use crate::recorder;
 use crate::seat_report;
@@ -31,6 +32,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use zeronav_measure::result::companion::CompanionResult;
 use zeronav_measure::result::fault::FaultResult;
+use zeronav_measure::result::link::LinkResult;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_measure::result::trials::Disturbance;
 use zeronav_measure::result::{Redirect, Restart, ServiceResult, Starved};
@@ -65,6 +67,8 @@ pub(crate) struct Driven {
     pub services: Vec<ServiceResult>,
     /// The processes that ran beside them.
     pub companions: Vec<CompanionResult>,
+    /// What the link between two hosts carried.
+    pub link: Option<LinkResult>,
     /// The restarts that were made.
     pub restarts: Vec<Restart>,
     /// Services that got no processor.
@@ -101,6 +105,7 @@ impl Driven {
             shared_memory_bytes: 0,
             services: Vec::new(),
             companions: Vec::new(),
+            link: None,
             restarts: Vec::new(),
             starved: Vec::new(),
             not_reproducible,
@@ -141,6 +146,7 @@ pub(crate) fn drive(
     warden::start();
     let mut stack = Stack::create(clock).map_err(|error| error.to_string())?;
     stack.scheduling = prepared.scenario.scheduling();
+    stack.is_shared = !prepared.remote.is_empty();
     if let Err(error) = log::open(&prepared.logs) {
         tracing::warn!(%error, "no log of the supervisor");
     }
@@ -191,9 +197,10 @@ fn drive_stack(
     session.heal_all(stack);
     session.stop(stack);
     let shared_memory_bytes = stack.shared_memory_bytes();
-    let services = seat_report::stop(stack, &session.keeper, &prepared.binaries);
+    let services = seat_report::stop(stack, &session.keeper, prepared);
     session.listen(stack);
     session.collector.film.end();
+    let link = host::link_result(stack.root());
     let companions = session.companions.stop();
     session.conclude_recording();
     let (trials, trials_missed) = session
@@ -220,6 +227,7 @@ fn drive_stack(
         shared_memory_bytes,
         services,
         companions,
+        link,
         restarts: session.keeper.records().to_vec(),
         starved,
         not_reproducible,

@@ -279,6 +279,7 @@ impl Session<'_> {
             memory_peak_bytes: beside.memory_peak_bytes(),
             binary: file_name(&beside.binary),
             restarts: self.keeper.starts(beside.role) - 1,
+            host: self.prepared.host_of(beside.role),
         })
     }
 
@@ -312,6 +313,7 @@ impl Session<'_> {
                     memory_peak_bytes: child.memory_peak_bytes(),
                     binary: file_name(&child.binary),
                     restarts: self.keeper.starts(child.role) - 1,
+                    host: self.prepared.host_of(child.role),
                 }
             })
             .collect();
@@ -330,6 +332,7 @@ impl Session<'_> {
                 memory_peak_bytes: 0,
                 binary: occupant.binary.clone(),
                 restarts: self.keeper.starts(*role) - 1,
+                host: None,
             });
         }
         services

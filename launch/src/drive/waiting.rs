@@ -4,6 +4,7 @@ use super::session::Session;
 use super::standstill::{Held, WALL_LIMIT};
 use crate::ending::Ending;
 use std::time::{Duration, Instant};
+use zeronav_console::terminal::note;
 use zeronav_msgs::role::Role;
 use zeronav_supervise::stack::Stack;
 
@@ -11,6 +12,14 @@ impl Session<'_> {
     /// Waits until every service can answer; how the run ends when one cannot.
     pub(super) fn wait_until_ready(&mut self, stack: &mut Stack) -> Option<Ending> {
         let started = Instant::now();
+        let remote = &self.prepared.remote;
+        if let Some(host) = remote.first().and_then(|seat| self.prepared.host_of(*seat)) {
+            let seats: Vec<&str> = remote.iter().map(|role| role.label()).collect();
+            note(&format!(
+                "waits for {host}, which fills {}",
+                seats.join(", ")
+            ));
+        }
         loop {
             self.listen(stack);
             self.serve(stack);
@@ -26,10 +35,11 @@ impl Session<'_> {
             if let Some(ending) = self.asked_to_end(stack) {
                 return Some(ending);
             }
-            // A service that is started by hand takes the time that it takes, and one that gets no
-            // processor is not late by its own doing.
+            // A service that is started by hand, or on another host, takes the time that it takes, and one that gets
+            // no processor is not late by its own doing.
             let mut late: Vec<Role> = missing;
-            late.retain(|role| self.prepared.binaries.contains_key(role));
+            let remote = &self.prepared.remote;
+            late.retain(|role| self.prepared.binaries.contains_key(role) && !remote.contains(role));
             let is_over = started.elapsed() > WALL_LIMIT;
             if late.iter().any(|role| self.keeper.is_late(*role)) || (is_over && !late.is_empty()) {
                 return Some(Ending::NotReady(late));

@@ -9,7 +9,7 @@ use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zeronav_console::terminal::note;
 use zeronav_msgs::role::Role;
 use zeronav_scenario::scheduling::SchedulingSpec;
@@ -23,7 +23,10 @@ use zeronav_supervise::own_time::Patience;
 /// Own time that a process may take to stop before it is killed.
 const STOP_LIMIT: Duration = Duration::from_secs(2);
 
-/// Starts of seats whose end is remembered.
+/// For how long nobody may want a process before it is ended: a link that is started again knows of nobody at first.
+const UNWANTED_LIMIT: Duration = Duration::from_secs(1);
+
+/// Starts of seats whose end is remembered: in the order of roles and epochs, the first are forgotten.
 const ENDED_MAX: usize = 64;
 
 /// Exit code of a process that could not be started.
@@ -31,6 +34,8 @@ const NOT_STARTED: u8 = 1;
 
 struct Running {
     child: Child,
+    /// Since nobody has wanted it.
+    unwanted: Option<Instant>,
     /// Since it was asked to end.
     stopping: Option<Patience>,
 }
@@ -85,26 +90,36 @@ impl<'a> Filled<'a> {
             .collect()
     }
 
-    /// One look: starts what is wanted, ends what is not.
-    pub(super) fn look(&mut self, wanted: &[SeatStart]) {
+    /// One look: starts what is wanted, ends what is not: at once when the run is over, or a successor is wanted.
+    pub(super) fn look(&mut self, wanted: &[SeatStart], is_over: bool) {
         self.reap();
         for (seat, running) in &mut self.running {
             if let Some(patience) = &mut running.stopping {
                 if patience.is_over(STOP_LIMIT) {
                     running.child.signal(Signal::KILL);
                 }
-            } else if !wanted.contains(seat) {
+                continue;
+            }
+            if !is_over && wanted.contains(seat) {
+                running.unwanted = None;
+                continue;
+            }
+            let since = *running.unwanted.get_or_insert_with(Instant::now);
+            let is_succeeded = wanted.iter().any(|other| other.role == seat.role);
+            if is_over || is_succeeded || since.elapsed() > UNWANTED_LIMIT {
                 running.child.signal(Signal::TERM);
                 running.stopping = Some(Patience::with(running.child.pid()));
             }
         }
         let (cleaning, cleaner) = (&mut self.cleaning, &mut self.cleaner);
         cleaning.take_if(|ticket| cleaner.is_done(*ticket));
-        if self.cleaning.is_some() {
+        if self.cleaning.is_some() || is_over {
             return;
         }
         for seat in wanted {
-            if !self.running.contains_key(seat) && !self.ended.contains_key(seat) {
+            // A predecessor has to end first.
+            let is_taken = self.running.keys().any(|other| other.role == seat.role);
+            if !is_taken && !self.ended.contains_key(seat) {
                 self.start(*seat);
             }
         }
@@ -115,8 +130,12 @@ impl<'a> Filled<'a> {
         match self.try_start(role, seat.epoch) {
             Ok(child) => {
                 tracing::info!(%role, epoch = seat.epoch, pid = child.pid(), "started");
-                let stopping = None;
-                self.running.insert(seat, Running { child, stopping });
+                let running = Running {
+                    child,
+                    unwanted: None,
+                    stopping: None,
+                };
+                self.running.insert(seat, running);
             }
             Err(error) => {
                 note(&format!("{role}: {error}"));

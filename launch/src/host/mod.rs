@@ -6,6 +6,8 @@
 
 mod filled;
 pub mod keys;
+mod link_result;
 mod serve;
 
+pub(crate) use link_result::link_result;
 pub(crate) use serve::serve;

@@ -13,11 +13,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use zeronav_console::terminal::{complain, note};
 use zeronav_msgs::role::Role;
+use zeronav_shell::printable::printable;
 use zeronav_shell::remote_seats::{FromLink, Line, SeatStart, ToLink};
 use zeronav_shell::{Domain, Peer};
 use zeronav_supervise::child::Child;
 use zeronav_supervise::descendants;
 use zeronav_supervise::process::{Beginning, Process};
+use zeronav_supervise::question::headline;
 use zeronav_supervise::warden;
 
 /// Launch's epoch in the domain of this host.
@@ -29,6 +31,9 @@ const PAUSE: Duration = Duration::from_millis(5);
 /// Time before a link that has ended is started again, and how long it may take to end.
 const LINK_PAUSE: Duration = Duration::from_millis(500);
 const LINK_LIMIT: Duration = Duration::from_secs(2);
+
+/// Longest name of a run that is shown. [characters]
+const RUN_CHARS: usize = 64;
 
 /// Fills the seats of `host` whenever the launch of the other one wants them, until `interrupted`.
 ///
@@ -86,25 +91,35 @@ fn fill(
     while !is_over && !interrupted.load(Ordering::Relaxed) {
         link.look(prepared, filled.root());
         if let Some(news) = link.exchange(&filled) {
-            is_over = news.over;
-            if news.run != wanted.run && !news.run.is_empty() {
-                note(&format!("{host} takes part in {}", news.run));
+            let is_another = news.run != wanted.run;
+            // A link that was started again may hear another run first.
+            is_over = news.over || is_another && !wanted.run.is_empty();
+            if is_another && !is_over {
+                note(&format!("{host} takes part in {}", shown(&news.run)));
             }
-            wanted = news;
+            if !is_over {
+                wanted = news;
+            }
         }
-        filled.look(&wanted.seats);
+        filled.look(&wanted.seats, is_over);
         std::thread::sleep(PAUSE);
     }
     if is_over {
-        note(&format!("{} is over", wanted.run));
+        note(&format!("{} is over", shown(&wanted.run)));
     }
     while !filled.is_empty() {
-        filled.look(&[]);
+        filled.look(&[], true);
         link.exchange(&filled);
         std::thread::sleep(PAUSE);
     }
     link.stop();
     Ok(())
+}
+
+/// The name that another computer gives a run, as it may be shown.
+fn shown(run: &str) -> String {
+    let short: String = run.chars().take(RUN_CHARS).collect();
+    printable(&short).into_owned()
 }
 
 /// What the link says.
@@ -123,6 +138,8 @@ struct Link {
     due: Instant,
     line: Option<Line>,
     told: Option<ToLink>,
+    /// It was said that the process ends; cleared once it answers.
+    has_complained: bool,
     folder: zeronav_shell::folder::Folder,
 }
 
@@ -140,20 +157,26 @@ impl Link {
             due: Instant::now(),
             line: None,
             told: None,
+            has_complained: false,
             folder: folder.map_err(|error| error.to_string())?,
         })
     }
 
     /// Starts the process, and again when it has ended.
     fn look(&mut self, prepared: &Prepared, root: &Path) {
-        if let Some(status) = self.process.as_mut().and_then(Process::ended) {
+        if let Some(process) = &mut self.process
+            && let Some(status) = process.ended()
+        {
             let how = Child::end_in_words(status);
-            complain(&format!(
-                "the link has ended ({how}); see {}",
-                prepared.log("link.log").path().display()
-            ));
+            let said = process.log_tail(1).pop().unwrap_or_default();
             (self.process, self.line) = (None, None);
             self.due = Instant::now() + LINK_PAUSE;
+            let log = prepared.log("link.log").path();
+            self.complain(&format!(
+                "the link has ended ({how}) and is started again: {}; see {}",
+                printable(&headline(&said)),
+                log.display()
+            ));
         }
         if self.process.is_some() || Instant::now() < self.due {
             return;
@@ -178,9 +201,16 @@ impl Link {
         match Process::start(beginning, |_| {}) {
             Ok(process) => self.process = Some(process),
             Err(error) => {
-                complain(&error.to_string());
                 self.due = Instant::now() + LINK_PAUSE;
+                self.complain(&error.to_string());
             }
+        }
+    }
+
+    /// Says what is wrong, once until the link answers again.
+    fn complain(&mut self, what: &str) {
+        if !core::mem::replace(&mut self.has_complained, true) {
+            complain(what);
         }
     }
 
@@ -189,6 +219,7 @@ impl Link {
         if self.line.is_none() {
             self.line = Line::connect(&self.folder).ok();
             self.told = None;
+            self.has_complained &= self.line.is_none();
         }
         let line = self.line.as_mut()?;
         let tell = ToLink::Filled {

@@ -28,6 +28,7 @@ use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
+use zeronav_scenario::hosts::host_of;
 
 /// The result of a run.
 #[must_use]
@@ -90,6 +91,7 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         injected_us: injected(prepared),
         services: services(driven),
         companions: driven.companions.clone(),
+        link: driven.link.clone(),
         restarts: driven.restarts.clone(),
         starved: driven.starved.clone(),
         faults: driven.faults.clone(),
@@ -168,7 +170,9 @@ pub(crate) fn judge_trials(
     let met = whole.expectations.iter().all(|expectation| expectation.met);
     if met { "pass" } else { "fail" }.clone_into(&mut whole.verdict);
     whole.reason = reason(prepared, driven, met, &whole.expectations);
-    whole.latency = Some(trials.latency.clone());
+    let mut latency = trials.latency.clone();
+    add_clocks(&mut latency, prepared, driven);
+    whole.latency = Some(latency);
     whole.profile = Some(trials.profile.clone());
     // Each round has its own.
     whole.disturbance = None;
@@ -297,10 +301,20 @@ fn latencies(prepared: &Prepared, driven: &Driven) -> Option<(Latency, Profile)>
     if prepared.mode == RunMode::Lockstep {
         return None;
     }
-    let (events, latency) = latency(&Subject::of(prepared, driven));
+    let (events, mut latency) = latency(&Subject::of(prepared, driven));
+    add_clocks(&mut latency, prepared, driven);
     let records = &driven.collector.records;
     let round = RoundProfile::of(&events, records, None, trials::timing(prepared));
     Some((latency, trials::profile(prepared, &[round])))
+}
+
+/// How uncertain the hops are that end on another host than they begin.
+pub(crate) fn add_clocks(latency: &mut Latency, prepared: &Prepared, driven: &Driven) {
+    let link = driven.link.as_ref();
+    if let Some(us) = link.and_then(|link| link.uncertainty_us_max) {
+        let hosts = &prepared.scenario.hosts;
+        latency.add_clock_uncertainty(us, |seat| host_of(hosts, seat));
+    }
 }
 
 /// What became of the obstacles of a drive, and its latencies.

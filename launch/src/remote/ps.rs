@@ -68,13 +68,14 @@ pub(crate) fn processes(run: &RunReport) -> String {
     for service in &run.services {
         let _ = writeln!(
             text,
-            "  {:<16} pid {:<8} epoch {}  {:<9} {:>5.0} MB  {}",
+            "  {:<16} pid {:<8} epoch {}  {:<9} {:>5.0} MB  {}{}",
             printable(&service.role),
             service.pid,
             service.epoch,
             printable(&service.state),
             megabytes(service.memory_peak_bytes),
-            printable(&service.binary)
+            printable(&service.binary),
+            on_host(service.host.as_deref())
         );
     }
     for companion in &run.companions {
@@ -92,6 +93,11 @@ pub(crate) fn processes(run: &RunReport) -> String {
         );
     }
     text
+}
+
+/// Where a seat is filled, behind the name of a program; empty when one computer fills all.
+pub(crate) fn on_host(host: Option<&str>) -> String {
+    host.map_or_else(String::new, |host| format!(" on {}", printable(host)))
 }
 
 #[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]

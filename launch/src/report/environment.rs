@@ -38,6 +38,7 @@ pub(super) fn environment(run: &RunFolder) -> String {
             all.extend(machine(&result.environment));
             all.push(("wall time", format!("{:.1} s", result.wall_s)));
             all.push(("shared memory", megabytes(result.shared_memory_bytes)));
+            all.extend(result.link.iter().map(|link| ("link", link.to_string())));
             if let Some(hash) = &result.run_hash {
                 all.push(("run hash", hash.clone()));
             }
@@ -48,6 +49,7 @@ pub(super) fn environment(run: &RunFolder) -> String {
         }
         Outcome::Stay(result) => {
             all.extend(machine(&result.environment));
+            all.extend(result.link.iter().map(|link| ("link", link.to_string())));
             all.push(("folder", result.directory.clone()));
         }
     }

@@ -140,7 +140,7 @@ fn hop_table(hops: &[Hop]) -> String {
     let row = |hop: &Hop| {
         let figures = hop.figures.supported();
         let mut row = vec![
-            Cell::text(words(&hop.name)),
+            Cell::text(words(&hop.title())),
             Cell::Html(charts::hop_bar(&hop.name, &figures, whole_us)),
             Cell::count(figures.n),
         ];

@@ -17,10 +17,12 @@ pub(super) fn services(services: &[ServiceResult], timings: Option<&Timings>) ->
     };
     let row = |service: &ServiceResult| {
         let by_hand = if service.external { ", by hand" } else { "" };
+        let host = service.host.as_ref();
+        let host = host.map_or_else(String::new, |host| format!(" on {host}"));
         let answers = computing(&service.name);
         vec![
             Cell::text(words(&service.name)),
-            Cell::text(format!("{}{by_hand}", service.binary)),
+            Cell::text(format!("{}{host}{by_hand}", service.binary)),
             Cell::text(service.key.clone().unwrap_or_default()),
             Cell::count(service.starts.saturating_sub(1)),
             Cell::Number(megabytes(service.memory_peak_bytes)),

@@ -111,6 +111,9 @@ fn write_events(result: &RunResult, text: &mut String) {
     }
     write_troubles((&result.restarts, &result.starved, &result.faults), text);
     write_companions(&result.companions, text);
+    if let Some(link) = &result.link {
+        let _ = writeln!(text, "  link {link}");
+    }
     for Redirect {
         time_s,
         goal: [x_m, y_m, yaw_rad],
@@ -261,7 +264,7 @@ fn write_latency(latency: &Latency, text: &mut String) {
     row("replanning", &latency.replanning);
     row("event to motion", &latency.event_to_motion);
     for hop in &latency.hops {
-        row(&format!("  {}", hop.name), &hop.figures);
+        row(&format!("  {}", hop.title()), &hop.figures);
     }
     if let Some(floor) = &latency.transport_floor {
         row("transport floor", floor);

@@ -23,7 +23,10 @@ pub(super) const TOPIC_HEADINGS: [&str; 4] = ["topic", "Hz", "kB/s", "age"];
 pub(super) fn service(line: &ServiceLine) -> [String; 9] {
     let [cpu, memory] = taken(&line.usage);
     [
-        line.role.to_owned(),
+        match &line.host {
+            Some(host) => format!("{} on {host}", line.role),
+            None => line.role.to_owned(),
+        },
         line.state.to_owned(),
         line.epoch.to_string(),
         line.restarts.map_or_else(dash, |n| n.to_string()),

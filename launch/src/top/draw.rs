@@ -53,7 +53,10 @@ pub(super) fn draw(frame: &mut Frame<'_>, view: &View, sort: Sort) {
 fn draw_services(frame: &mut Frame<'_>, view: &View, area: Rect) {
     let services = view.services.iter().map(cells::service);
     let companions = view.companions.iter().map(cells::companion);
-    let rows = services.chain(companions).map(|cells| {
+    let lines: Vec<_> = services.chain(companions).collect();
+    let names = lines.iter().map(|cells| cells[0].chars().count());
+    let names = u16::try_from(names.max().unwrap_or(0)).unwrap_or(u16::MAX);
+    let rows = lines.into_iter().map(|cells| {
         let colour = match cells[1].as_str() {
             "ready" | "running" => Color::Green,
             "silent" | "absent" | "ended" => Color::Red,
@@ -70,7 +73,8 @@ fn draw_services(frame: &mut Frame<'_>, view: &View, area: Rect) {
                 }),
         )
     });
-    let widths = [16, 9, 5, 8, 5, 6, 8, 10].map(Constraint::Length);
+    let names = names.clamp(16, 40);
+    let widths = [names, 9, 5, 8, 5, 6, 8, 10].map(Constraint::Length);
     let widths = widths.into_iter().chain([Constraint::Fill(1)]);
     let headings = headings(&cells::SERVICE_HEADINGS, 2..=7);
     frame.render_widget(Table::new(rows, widths).header(headings), area);

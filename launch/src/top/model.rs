@@ -311,12 +311,12 @@ impl Model {
             None => "unknown",
         };
         let services = self.report.services.iter();
-        let restarts = services
-            .filter(|service| service.role == role.label())
-            .map(|service| service.restarts)
-            .max();
+        let of_seat = || services.clone().filter(|it| it.role == role.label());
+        let restarts = of_seat().map(|service| service.restarts).max();
+        let host = of_seat().find_map(|service| service.host.as_deref());
         ServiceLine {
             role: role.label(),
+            host: host.map(|host| printable(host).into_owned()),
             epoch: seat.epoch,
             restarts: restarts.filter(|_| self.has_report),
             state,

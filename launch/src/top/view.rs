@@ -66,6 +66,9 @@ pub(crate) struct Usage {
 pub(crate) struct ServiceLine {
     /// Its seat.
     pub role: &'static str,
+    /// The host that fills it, in a stack of two; what is taken is taken on the robot's host.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub host: Option<String>,
     /// Which start of the seat is obeyed; 0 before the first.
     pub epoch: u32,
     /// Restarts of the seat; `None` while the stack does not answer.

@@ -8,8 +8,8 @@ use crate::topics::tap::{PAUSE, Tap};
 use std::time::{Duration, Instant};
 use zeronav_measure::result::moment::{Command, Moment, Obstacle, Path, Request};
 use zeronav_msgs::health::{
-    HealthState, REASON_CLOCK, REASON_ODOMETRY, REASON_PUBLISHERS, REASON_SCAN, REASON_TRANSFORM,
-    SILENT_AFTER_NS,
+    HealthState, REASON_CLOCK, REASON_LINK, REASON_ODOMETRY, REASON_PUBLISHERS, REASON_SCAN,
+    REASON_TRANSFORM, SILENT_AFTER_NS,
 };
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
@@ -17,13 +17,16 @@ use zeronav_msgs::topics::{
     ControlRequest, HealthTopic, MapObstacles, PlanPath, RobotCommand, health_of,
 };
 use zeronav_shell::clock::now_ns;
-use zeronav_shell::{Latest, Peer, Roster, StartError};
+use zeronav_shell::{Latest, Peer, Roster, StartError, printable};
 
 /// Longest wait for what every stage sends several times a second.
 const WAIT: Duration = Duration::from_millis(600);
 
 /// A restart is told for so long after it. [s]
 const RESTART_S: f64 = 2.0;
+
+/// How a service is missing of which only the link is heard.
+const CUT: &str = "is on another host and cannot be heard: the way there is cut";
 
 /// What is read.
 struct Readers {
@@ -118,9 +121,16 @@ impl Readers {
             let reasons = health.get().map(|view| view.meta.reasons)?;
             trouble(reasons).filter(|_| role == Role::Robot)
         };
+        // The link says that a process lives while the way to it is cut.
+        let cut = |health: &Latest<HealthTopic>| {
+            let reasons = health.get().map(|view| view.meta.reasons)?;
+            (reasons & REASON_LINK != 0).then_some(CUT)
+        };
         let all = self.health.iter();
         all.filter_map(|(role, health)| {
-            let how = how(health).or_else(|| troubled(*role, health))?;
+            let how = how(health)
+                .or_else(|| cut(health))
+                .or_else(|| troubled(*role, health))?;
             Some(Missing {
                 role: role.to_string(),
                 how: how.to_owned(),
@@ -203,6 +213,15 @@ pub(super) fn ago(stack: &Running, ago_s: f64) -> Result<(Moment, Around), Strin
 /// Adds what the stack says of itself.
 fn add(around: &mut Around, report: &RunReport) {
     around.paused |= report.paused;
+    for missing in around.missing.iter_mut().filter(|it| it.how == CUT) {
+        let service = report.services.iter().find(|it| it.role == missing.role);
+        if let Some(host) = service.and_then(|service| service.host.as_deref()) {
+            missing.how = format!(
+                "on {} cannot be heard: the way there is cut",
+                printable(host)
+            );
+        }
+    }
     for restart in &report.restarts {
         if report.time_s - restart.time_s > RESTART_S {
             continue;

@@ -64,6 +64,8 @@ pub struct Stack {
     pub scheduling: BTreeMap<Role, SchedulingSpec>,
     /// Every service could answer once: from then on the robot may tick.
     pub was_ready: bool,
+    /// Some of its processes are on another host, where this one does not see what they do.
+    pub is_shared: bool,
     /// What launch reads.
     pub taps: Taps,
     /// The seats that launch fills, held for the whole run.
@@ -123,6 +125,7 @@ impl Stack {
             beside: None,
             scheduling: BTreeMap::new(),
             was_ready: false,
+            is_shared: false,
             taps,
             last_epochs: BTreeMap::new(),
             seats: BTreeMap::new(),
@@ -334,8 +337,11 @@ impl Stack {
     }
 
     /// True when no process of the stack runs, waits for a processor, or is held by a debugger: none of them is about
-    /// to answer.
+    /// to answer. Never of one that is shared.
     pub fn is_quiet(&self) -> bool {
+        if self.is_shared {
+            return false;
+        }
         let waits = |reading: Reading| matches!(reading.doing, Doing::Runnable | Doing::Traced);
         let beside = self.beside.as_ref().map(Child::pid);
         let all = Role::SERVICES.iter().filter_map(|role| self.reading(*role));

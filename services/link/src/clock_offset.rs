@@ -3,8 +3,6 @@
 //! Source: the clock filter of NTP (Mills, RFC 5905, section 10): of the last exchanges the one with the
 //! shortest way tells most, and half of its way bounds the error.
 
-use std::collections::VecDeque;
-
 /// Exchanges that are kept.
 const KEPT: usize = 16;
 
@@ -42,10 +40,17 @@ struct Sample {
     came_ns: u64,
 }
 
+impl Sample {
+    /// The true offset at `now_ns` lies within this of it. [ns]
+    fn uncertainty_ns(&self, now_ns: u64) -> u64 {
+        self.way_ns / 2 + drifted_ns(now_ns.saturating_sub(self.came_ns))
+    }
+}
+
 /// Estimates the offset.
 #[derive(Debug, Default)]
 pub struct ClockFilter {
-    samples: VecDeque<Sample>,
+    samples: Vec<Sample>,
 }
 
 impl ClockFilter {
@@ -71,19 +76,24 @@ impl ClockFilter {
         let Ok(ahead_ns) = i64::try_from(sum / 2) else {
             return;
         };
-        self.samples.push_back(Sample {
+        let new = Sample {
             ahead_ns,
             way_ns,
             came_ns,
-        });
-        if self.samples.len() > KEPT {
-            self.samples.pop_front();
+        };
+        let apart_ns = |sample: &Sample| sample.ahead_ns.abs_diff(ahead_ns);
+        let within_ns = |sample: &Sample| sample.uncertainty_ns(came_ns) + way_ns / 2;
+        // A clock of a computer that was suspended has jumped: nothing from before holds.
+        if (self.samples.iter()).any(|sample| apart_ns(sample) > within_ns(sample)) {
+            self.samples.clear();
         }
-    }
-
-    /// Forgets everything: another host is there, or the same one after a new start.
-    pub fn clear(&mut self) {
-        self.samples.clear();
+        self.samples.push(new);
+        if self.samples.len() > KEPT {
+            // What is known best stays: after a way that was cut all new exchanges were long under way.
+            let worst = (0..self.samples.len())
+                .max_by_key(|index| self.samples[*index].uncertainty_ns(came_ns));
+            worst.map(|index| self.samples.swap_remove(index));
+        }
     }
 
     /// The estimate at `now_ns` of the own clock; `None` before the first exchange.
@@ -91,7 +101,7 @@ impl ClockFilter {
     pub fn offset(&self, now_ns: u64) -> Option<Offset> {
         let judged = self.samples.iter().map(|sample| Offset {
             ahead_ns: sample.ahead_ns,
-            uncertainty_ns: sample.way_ns / 2 + drifted_ns(now_ns.saturating_sub(sample.came_ns)),
+            uncertainty_ns: sample.uncertainty_ns(now_ns),
         });
         judged.min_by_key(|offset| offset.uncertainty_ns)
     }
@@ -180,6 +190,19 @@ mod tests {
         // 40 and 20 us on the way, and two clocks for a second.
         assert_eq!(offset.ahead_ns, -500 + 10_000);
         assert!((30_000..250_000).contains(&offset.uncertainty_ns));
+        // Nothing that is long under way takes its place: neither many of them, nor for long.
+        for n in 0..100 {
+            filter.add(exchange(
+                3_200_000_000 + 50_000_000 * n,
+                -500,
+                900_000_000,
+                0,
+            ));
+        }
+        let later = filter.offset(9_000_000_000).expect("exchanges");
+        assert_eq!(later.ahead_ns, offset.ahead_ns);
+        assert!((500_000..900_000).contains(&later.uncertainty_ns));
+        let offset = filter.offset(3_100_000_000).expect("exchanges");
         // Impossible times change nothing.
         filter.add(Exchange {
             sent_ns: 10,
@@ -188,7 +211,15 @@ mod tests {
             came_ns: 11,
         });
         assert_eq!(filter.offset(3_100_000_000), Some(offset));
-        filter.clear();
-        assert_eq!(filter.offset(0), None);
+    }
+
+    /// The monotonic clock of a computer stands still while that is suspended.
+    #[test]
+    fn a_clock_that_has_jumped_is_compared_anew() {
+        let mut filter = ClockFilter::default();
+        filter.add(exchange(1_000_000_000, 0, 50_000, 50_000));
+        filter.add(exchange(2_000_000_000, -60_000_000_000, 400_000, 400_000));
+        let offset = filter.offset(2_100_000_000).expect("an exchange");
+        assert_eq!(offset.ahead_ns, -60_000_000_000);
     }
 }

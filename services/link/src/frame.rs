@@ -1,7 +1,7 @@
 //! What is sent from link to link: messages of topics, rings, and a beat that says how things stand.
 //!
-//! A frame begins with its kind (one byte) and its number (8 bytes, little-endian, from 1): frames of one sender that
-//! are lost on the way are counted by the gaps.
+//! A frame begins with its kind (one byte), its sender and its number (8 bytes each, little-endian; numbers count from 1):
+//! frames of one sender that are lost on the way are counted by the gaps, and a link that was started again is another sender.
 
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::role::Role;
@@ -12,8 +12,17 @@ const MESSAGE: u8 = 1;
 const RING: u8 = 2;
 const BEAT: u8 = 3;
 
-/// Kind and number.
-const HEAD_BYTES: usize = 9;
+/// Kind, sender and number.
+const HEAD_BYTES: usize = 17;
+
+/// Which frame of which sender it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Origin {
+    /// A number that no other start of a link has.
+    pub sender: u64,
+    /// Its place among the frames of that sender, from 1.
+    pub number: u64,
+}
 
 /// Longest beat. [bytes]
 const BEAT_BYTES_MAX: usize = 16 * 1024;
@@ -26,12 +35,14 @@ pub struct Beat {
     pub contract: u64,
     /// Name of the host.
     pub host: String,
-    /// What is driven: name of the domain of the host of launch; of the other host the one that it takes part
-    /// in, empty before that.
-    pub run: String,
+    /// Name of its domain: another one after a new start of the host, the same after one of its link. That of the host of
+    /// launch is the name of the run.
+    pub instance: String,
+    /// The receiver's instance that it hears; empty before it has heard any.
+    pub hears: String,
     /// Hash of the scenario, as text.
     pub scenario: String,
-    /// True in the last beat.
+    /// True in the last beat of a link that was asked to end.
     pub leaving: bool,
     /// True once the sender knows by how much the clocks differ: it accepts messages from then on.
     pub synchronised: bool,
@@ -77,7 +88,7 @@ pub enum Frame<'a> {
 /// Why bytes are no frame.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Malformed {
-    /// They end too early, or are longer than any frame.
+    /// They end too early, or are longer than any of their kind.
     #[error("{0} bytes are no frame")]
     Length(usize),
     /// A kind, role or event without a meaning.
@@ -89,13 +100,14 @@ pub enum Malformed {
 }
 
 impl Frame<'_> {
-    /// The bytes of this frame as the `number`-th of its sender.
+    /// The bytes of this frame.
     #[must_use]
-    pub fn encode(&self, number: u64) -> Vec<u8> {
+    pub fn encode(&self, origin: Origin) -> Vec<u8> {
         let head = |kind: u8, len: usize| {
             let mut bytes = Vec::with_capacity(HEAD_BYTES + len);
             bytes.push(kind);
-            bytes.extend_from_slice(&number.to_le_bytes());
+            bytes.extend_from_slice(&origin.sender.to_le_bytes());
+            bytes.extend_from_slice(&origin.number.to_le_bytes());
             bytes
         };
         match self {
@@ -128,14 +140,21 @@ impl Frame<'_> {
     }
 }
 
-/// Number and content of a frame.
+/// Origin and content of a frame.
 ///
 /// # Errors
 /// [`Malformed`].
-pub fn decode(bytes: &[u8]) -> Result<(u64, Frame<'_>), Malformed> {
+pub fn decode(bytes: &[u8]) -> Result<(Origin, Frame<'_>), Malformed> {
     let short = || Malformed::Length(bytes.len());
     let (head, rest) = bytes.split_at_checked(HEAD_BYTES).ok_or_else(short)?;
-    let number = u64::from_le_bytes(head[1..].try_into().map_err(|_| short())?);
+    let number = |at: usize| -> Result<u64, Malformed> {
+        let bytes = head[at..at + 8].try_into().map_err(|_| short())?;
+        Ok(u64::from_le_bytes(bytes))
+    };
+    let origin = Origin {
+        sender: number(1)?,
+        number: number(9)?,
+    };
     let frame = match head[0] {
         MESSAGE => {
             let (head, rest) = rest.split_at_checked(5).ok_or_else(short)?;
@@ -167,13 +186,18 @@ pub fn decode(bytes: &[u8]) -> Result<(u64, Frame<'_>), Malformed> {
         }
         _ => return Err(Malformed::Unknown("kind")),
     };
-    Ok((number, frame))
+    Ok((origin, frame))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    const ORIGIN: Origin = Origin {
+        sender: 9,
+        number: u64::MAX,
+    };
 
     proptest! {
         #[test]
@@ -183,14 +207,16 @@ mod tests {
 
         #[test]
         fn a_message_comes_back_as_it_was(
+            sender in any::<u64>(),
             number in any::<u64>(),
             topic in any::<u8>(),
             envelope in prop::collection::vec(any::<u8>(), 0..300),
             items in prop::collection::vec(any::<u8>(), 0..300),
         ) {
             let frame = Frame::Message { topic, envelope: &envelope, items: &items };
-            let bytes = frame.encode(number);
-            prop_assert_eq!(decode(&bytes), Ok((number, frame)));
+            let origin = Origin { sender, number };
+            let bytes = frame.encode(origin);
+            prop_assert_eq!(decode(&bytes), Ok((origin, frame)));
         }
     }
 
@@ -200,8 +226,8 @@ mod tests {
             role: Role::Mapping,
             event: 40,
         };
-        let bytes = ring.encode(7);
-        assert_eq!(decode(&bytes), Ok((7, ring)));
+        let bytes = ring.encode(ORIGIN);
+        assert_eq!(decode(&bytes), Ok((ORIGIN, ring)));
         let seat = SeatStart {
             role: Role::Mapping.code(),
             epoch: 2,
@@ -216,8 +242,8 @@ mod tests {
             wanted: vec![seat],
             ..Beat::default()
         }));
-        let bytes = beat.encode(u64::MAX);
-        assert_eq!(decode(&bytes), Ok((u64::MAX, beat)));
+        let bytes = beat.encode(ORIGIN);
+        assert_eq!(decode(&bytes), Ok((ORIGIN, beat)));
     }
 
     #[test]
@@ -227,7 +253,7 @@ mod tests {
                 role: Role::Robot,
                 event,
             }
-            .encode(1);
+            .encode(ORIGIN);
             bytes[HEAD_BYTES..HEAD_BYTES + 2].copy_from_slice(&role.to_le_bytes());
             decode(&bytes).map(|_| ())
         };
@@ -235,7 +261,7 @@ mod tests {
         assert_eq!(ring(2, 64), Err(Malformed::Unknown("event")));
         // Launch has no doorbell.
         assert_eq!(ring(1, 3), Err(Malformed::Unknown("role")));
-        assert_eq!(decode(&[9; 9]), Err(Malformed::Unknown("kind")));
+        assert_eq!(decode(&[9; HEAD_BYTES]), Err(Malformed::Unknown("kind")));
         assert_eq!(decode(&[MESSAGE; 8]), Err(Malformed::Length(8)));
         let mut beat = vec![BEAT; HEAD_BYTES];
         beat.extend_from_slice(br#"{"contract": 1}"#);

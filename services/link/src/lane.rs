@@ -7,6 +7,7 @@ use core::marker::PhantomData;
 use std::collections::{BTreeMap, BTreeSet};
 use zeronav_msgs::header::Header;
 use zeronav_msgs::message::{Refusal, ensure};
+use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunClock;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{Discipline, Envelope, SPANS, Topic, TopicRow, decode, seal};
@@ -16,11 +17,14 @@ use zeronav_shell::{Peer, RawReader, RawUnsent, RawWriter, StartError};
 /// Role and epoch of an author, as messages name it.
 pub type Author = (u16, u32);
 
-/// Most authors of a topic that are remembered; the oldest starts are forgotten first.
-const AUTHORS_MAX: usize = 256;
+/// Most authors of a topic in a run: launch gives up restarting long before.
+const AUTHORS_MAX: usize = 4096;
 
 /// A message as it goes over the wire: header with fixed fields, and slice.
 pub type Parts = (Vec<u8>, Vec<u8>);
+
+/// A message that was written here, and when. [ns]
+pub type Written = (u64, Parts);
 
 /// What depends on the type of a topic.
 pub trait Typed {
@@ -41,8 +45,8 @@ pub trait Typed {
     /// # Errors
     /// As [`Peer::ports`].
     fn readers(&self, peer: &Peer) -> Result<usize, StartError>;
-    /// Who wrote a message; `None` for bytes that are no message of this topic.
-    fn author(&self, envelope: &[u8], items: &[u8]) -> Option<Author>;
+    /// Who wrote a message, and when [ns]; `None` for bytes that are no message of this topic.
+    fn author(&self, envelope: &[u8], items: &[u8]) -> Option<(Author, u64)>;
     /// Accepts a message and puts its stamps into the time of another clock.
     ///
     /// # Errors
@@ -104,10 +108,11 @@ impl<T: Topic> Typed for WithHeader<T> {
         peer.ports::<T>(self.0).map(|[_, readers]| readers)
     }
 
-    fn author(&self, envelope: &[u8], items: &[u8]) -> Option<Author> {
+    fn author(&self, envelope: &[u8], items: &[u8]) -> Option<(Author, u64)> {
         let (envelope, _) = Self::parse(envelope, items)?;
         let header = envelope.header();
-        Some((header.role, header.id().epoch()))
+        let author = (header.role, header.id().epoch());
+        Some((author, header.stamps.published_ns))
     }
 
     fn retimed(&self, envelope: &[u8], items: &[u8], ahead_ns: i64) -> Result<Parts, Refusal> {
@@ -158,8 +163,9 @@ impl Typed for Records {
         peer.span_ports().map(|[_, readers]| readers)
     }
 
-    fn author(&self, envelope: &[u8], items: &[u8]) -> Option<Author> {
-        Self::parse(envelope, items).map(|span| (span.role, span.epoch))
+    fn author(&self, envelope: &[u8], items: &[u8]) -> Option<(Author, u64)> {
+        let span = Self::parse(envelope, items)?;
+        Some(((span.role, span.epoch), span.published_ns))
     }
 
     fn retimed(&self, envelope: &[u8], items: &[u8], ahead_ns: i64) -> Result<Parts, Refusal> {
@@ -180,14 +186,12 @@ impl Typed for Records {
 /// One topic.
 pub struct Lane {
     typed: Box<dyn Typed>,
-    /// Open while the other host wants its messages.
+    /// Open once the other host has wanted its messages.
     reader: Option<RawReader>,
     /// Open once a message has come, with the most items that it can send.
     writer: Option<(usize, RawWriter)>,
     /// Authors on the other host: what they wrote does not go back there.
     foreign: BTreeSet<Author>,
-    /// Messages that were rejected.
-    rejected: u64,
 }
 
 impl Lane {
@@ -197,7 +201,6 @@ impl Lane {
             reader: None,
             writer: None,
             foreign: BTreeSet::new(),
-            rejected: 0,
         }
     }
 
@@ -207,12 +210,6 @@ impl Lane {
         self.typed.row()
     }
 
-    /// Messages that came and were rejected.
-    #[must_use]
-    pub fn rejected(&self) -> u64 {
-        self.rejected
-    }
-
     /// True when somebody else reads the topic here.
     #[must_use]
     pub fn is_read(&self, peer: &Peer) -> bool {
@@ -220,34 +217,41 @@ impl Lane {
         readers > usize::from(self.reader.is_some())
     }
 
-    /// Begins or ends to read the topic. Who begins gets the last message of a latched one.
+    /// Begins to read the topic, for good. Who begins gets the last message of a latched one.
     ///
     /// # Errors
     /// As [`Peer::raw_on`].
-    pub fn listen(&mut self, peer: &Peer, is_wanted: bool) -> Result<(), StartError> {
-        if is_wanted != self.reader.is_some() {
-            let open = || self.typed.reader(peer);
-            self.reader = is_wanted.then(open).transpose()?;
+    pub fn listen(&mut self, peer: &Peer) -> Result<(), StartError> {
+        if self.reader.is_none() {
+            self.reader = Some(self.typed.reader(peer)?);
         }
         Ok(())
     }
 
-    /// Begins to read anew, so that the last message of a latched topic comes again.
-    pub fn restart(&mut self) {
-        self.reader = None;
+    /// Lets the last message of a latched topic come again.
+    ///
+    /// # Errors
+    /// As [`Peer::raw_on`].
+    pub fn repeat(&mut self, peer: &Peer) -> Result<(), StartError> {
+        if self.reader.is_some() && self.row().discipline == Discipline::Latched {
+            self.reader = None;
+            self.listen(peer)?;
+        }
+        Ok(())
     }
 
     /// What was written here since the last call. Of a topic of which the newest message matters alone, the
     /// newest of each author.
-    pub fn take(&mut self) -> Vec<Parts> {
+    pub fn take(&mut self) -> Vec<Written> {
         let Some(reader) = &mut self.reader else {
             return Vec::new();
         };
-        let mut all: Vec<(Author, Parts)> = Vec::new();
+        let mut all: Vec<(Author, Written)> = Vec::new();
         while let Some(parts) = reader.take(|envelope, items| (envelope.to_vec(), items.to_vec())) {
-            let author = self.typed.author(&parts.0, &parts.1);
-            if let Some(author) = author.filter(|author| !self.foreign.contains(author)) {
-                all.push((author, parts));
+            if let Some((author, written_ns)) = self.typed.author(&parts.0, &parts.1)
+                && !self.foreign.contains(&author)
+            {
+                all.push((author, (written_ns, parts)));
             }
         }
         let newest_alone = matches!(
@@ -256,13 +260,13 @@ impl Lane {
         );
         if newest_alone {
             // Later messages of an author take the place of earlier ones.
-            let newest: BTreeMap<Author, Parts> = all.into_iter().collect();
+            let newest: BTreeMap<Author, Written> = all.into_iter().collect();
             return newest.into_values().collect();
         }
-        all.into_iter().map(|(_, parts)| parts).collect()
+        all.into_iter().map(|(_, written)| written).collect()
     }
 
-    /// Accepts a message that has come: its parts in the own time, and its author.
+    /// Accepts a message that has come, by one of `authors`: its parts in the own time, and its author.
     ///
     /// # Errors
     /// What is wrong with it.
@@ -271,19 +275,21 @@ impl Lane {
         envelope: &[u8],
         items: &[u8],
         ahead_ns: i64,
+        authors: &[Role],
     ) -> Result<(Author, Parts), Refusal> {
-        let accepted = self.typed.retimed(envelope, items, ahead_ns);
-        self.rejected += u64::from(accepted.is_err());
-        let parts = accepted?;
+        let parts = self.typed.retimed(envelope, items, ahead_ns)?;
         let author = self.typed.author(&parts.0, &parts.1);
-        let author = author.ok_or(Refusal::Length("bytes"))?;
+        let (author, _) = author.ok_or(Refusal::Length("bytes"))?;
+        let role = Role::from_code(author.0);
         ensure(
-            parts.1.len() <= self.row().len_max * self.row().item_bytes.max(1),
-            Refusal::Length("items"),
+            role.is_some_and(|role| authors.contains(&role)),
+            Refusal::Foreign("its author"),
         )?;
-        if self.foreign.insert(author) && self.foreign.len() > AUTHORS_MAX {
-            self.foreign.pop_first();
-        }
+        ensure(
+            self.foreign.contains(&author) || self.foreign.len() < AUTHORS_MAX,
+            Refusal::Length("authors"),
+        )?;
+        self.foreign.insert(author);
         Ok((author, parts))
     }
 
@@ -295,7 +301,12 @@ impl Lane {
         let row = self.row();
         let len = parts.1.len() / row.item_bytes.max(1);
         if self.writer.as_ref().is_none_or(|(most, _)| *most < len) {
-            let most = len.next_power_of_two().clamp(1, row.len_max.max(1));
+            // Of all but whole maps the most at once: readers find messages of two writers in no order.
+            let most = if row.discipline == Discipline::Latched {
+                len.next_power_of_two().clamp(1, row.len_max.max(1))
+            } else {
+                row.len_max
+            };
             // The one before goes first: a topic has few places for writers.
             self.writer = None;
             self.writer = Some((most, self.typed.writer(peer, most)?));
@@ -330,7 +341,6 @@ mod tests {
     use super::*;
     use zeronav_msgs::header::{Id, Stamps};
     use zeronav_msgs::odometry::Odometry;
-    use zeronav_msgs::role::Role;
     use zeronav_msgs::run::RunMode;
     use zeronav_msgs::span::SpanKind;
     use zeronav_msgs::topics::{RobotOdometry, RunClockTopic};
@@ -362,7 +372,10 @@ mod tests {
             bytes::<RobotOdometry>(header::<RobotOdometry>(Role::Robot), Odometry::default());
         let (after, items) = typed.retimed(&before, &[], 30).expect("accepted");
         assert!(items.is_empty());
-        assert_eq!(typed.author(&after, &[]), Some((Role::Robot.code(), 3)));
+        assert_eq!(
+            typed.author(&after, &[]),
+            Some(((Role::Robot.code(), 3), 0))
+        );
         let envelope: <RobotOdometry as Topic>::Envelope = pod_read_unaligned(&after);
         decode::<RobotOdometry>(RobotOdometry::ROW, &envelope, &[]).expect("whole");
         let header = envelope.header();
@@ -385,6 +398,19 @@ mod tests {
             typed.retimed(&before[1..], &[], 0),
             Err(Refusal::Length("bytes"))
         );
+    }
+
+    #[test]
+    fn only_who_is_on_the_other_host_writes() {
+        let typed = WithHeader::<RobotOdometry>::new(RobotOdometry::ROW);
+        let mut lane = Lane::new(Box::new(typed));
+        let header = header::<RobotOdometry>(Role::Robot);
+        let message = bytes::<RobotOdometry>(header, Odometry::default());
+        let mut accept = |authors: &[Role]| lane.accept(&message, &[], 0, authors);
+        let refused = accept(&[Role::Launch, Role::Mapping]);
+        assert_eq!(refused, Err(Refusal::Foreign("its author")));
+        let (author, _) = accept(&[Role::Robot]).expect("accepted");
+        assert_eq!(author, (Role::Robot.code(), 3));
     }
 
     #[test]
@@ -418,6 +444,9 @@ mod tests {
         );
         // A time that has passed is not a moment.
         assert_eq!((after.capture_ns, after.off_processor_ns), (0, 7));
-        assert_eq!(Records.author(&[], &items), Some((Role::Mapping.code(), 2)));
+        assert_eq!(
+            Records.author(&[], &items),
+            Some(((Role::Mapping.code(), 2), 35))
+        );
     }
 }

@@ -9,19 +9,23 @@
 //! | what | where |
 //! |---|---|
 //! | what is sent from link to link | [`frame`] |
+//! | which start of the other host is heard, and what of it is lost | [`other`] |
 //! | by how much the clocks of the hosts differ, and how well that is known | [`clock_offset`] |
 //! | a topic's messages in both directions, with stamps of the host's own clock | [`lane`], [`lanes`] |
+//! | what was carried, for launch | [`account`] |
 //! | which seats are filled where | [`seats`], over the socket of [`socket`] |
 //! | Zenoh: named ends, TLS | [`session`], queues of both directions in [`queue`] |
 //! | certificates by which the hosts know each other | [`keys`] |
 //! | the processes | [`process`], [`remote_seat`] |
 
+pub mod account;
 pub mod clock_offset;
 pub mod config;
 pub mod frame;
 pub mod keys;
 pub mod lane;
 pub mod lanes;
+pub mod other;
 pub mod process;
 pub mod queue;
 pub mod remote_seat;

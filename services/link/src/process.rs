@@ -1,12 +1,14 @@
 //! The link's process: one look takes in what has come, from here and from there, and hands it on.
 
-use crate::clock_offset::{ClockFilter, Exchange, Offset};
+use crate::account::Account;
 use crate::config::LinkConfig;
-use crate::frame::{Beat, Frame, decode};
-use crate::lanes::{Lanes, rung};
+use crate::frame::{Beat, Frame, Origin, decode};
+use crate::lanes::{Lanes, read_by, rung};
+use crate::other::{Heard, Other, Own};
 use crate::seats::Hearts;
 use crate::session::Session;
 use crate::socket::{Sitter, Socket};
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 use zeronav_msgs::message::{FNV_OFFSET, fnv1a};
 use zeronav_msgs::role::Role;
@@ -14,6 +16,7 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::topics::{EVENT_NEED_KEYFRAME, TopicRow, health_of, topics};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::{Bells, Overheard, Rung};
+use zeronav_shell::printable::printable;
 use zeronav_shell::{Companion, Guest, StartError};
 
 /// Longest wait of a look: topics that ring nobody are looked at as often.
@@ -22,60 +25,54 @@ const WAIT: Duration = Duration::from_millis(4);
 /// Time between two beats. [ns]
 const BEAT_NS: u64 = 50_000_000;
 
-/// Time between two looks at who reads what here, and at latched topics. [ns]
-const READS_NS: u64 = 200_000_000;
+/// Time between two looks at late readers of latched topics. [ns]
+const LATE_NS: u64 = 200_000_000;
+
+/// Time between two looks at who reads what here, and between two repetitions of what is latched. [ns]
+const READS_NS: u64 = 1_000_000_000;
 
 /// Frames of the other host that one look takes in.
 const FRAMES_MAX: usize = 256;
 
-/// For how long the other end may be silent before it counts as gone. [ns]
-const GONE_NS: u64 = 1_000_000_000;
+/// Complaints that are remembered, so that each is made once.
+const COMPLAINTS_MAX: usize = 64;
 
-/// For how long the host of launch may be silent before another run takes the place of its run. [ns]
-const ABANDONED_NS: u64 = 3_000_000_000;
+/// Exit code of processes on a host that was started again.
+const LOST: u8 = 1;
 
 /// For how long messages that find no memory are tried again: in lockstep nothing may be lost.
 const HELD_LIMIT: Duration = Duration::from_secs(10);
 const HELD_PAUSE: Duration = Duration::from_micros(200);
 
-/// What is known of the other host.
-#[derive(Debug, Default)]
-struct Other {
-    /// The newest beat, and when it came. [ns]
-    beat: Option<Beat>,
-    came_ns: u64,
-    /// Number of the newest frame, and how many were lost.
-    number: u64,
-    lost: u64,
-    is_there: bool,
-}
-
 /// See the module's description.
 #[derive(Debug)]
 pub struct Link {
-    config: LinkConfig,
-    contract: u64,
-    /// Name of the run, once it is known.
-    run: String,
-    /// The run of the host of launch is over, or it has begun another one.
-    over: bool,
+    own: Own,
+    /// The seats on this host, and who writes on the other one.
+    here: Vec<Role>,
+    authors: Vec<Role>,
     bells: Bells,
     overheard: Overheard,
     session: Session,
     socket: Socket,
     lanes: Lanes,
     hearts: Hearts,
-    clock: ClockFilter,
     other: Other,
+    account: Account,
+    was_there: bool,
     lockstep: bool,
-    /// Frames that were sent.
-    number: u64,
+    /// It cannot go on, and is to be started again.
+    has_failed: bool,
+    /// The newest frame that was sent.
+    origin: Origin,
     beaten_ns: u64,
+    /// When late readers were looked at, who reads what, and when what is latched was repeated.
+    refreshed_ns: u64,
     looked_ns: u64,
+    repeated_ns: u64,
     reads: u64,
     said: Beat,
-    /// What was complained about last.
-    complaint: String,
+    complaints: BTreeSet<String>,
 }
 
 impl Companion for Link {
@@ -96,36 +93,73 @@ impl Companion for Link {
         let overheard = Overheard::open(peer, &config.there())?;
         let waker = overheard.waker();
         let waker = waker.map_err(|error| StartError::system("making a waker", error))?;
+        let mut lanes = Lanes::default();
+        lanes.listen(peer, read_by(&config.there()))?;
         let root = peer.domain().root().file_name().unwrap_or_default();
-        let run = if config.commands {
-            root.to_string_lossy().into_owned()
-        } else {
-            String::new()
-        };
+        let mut authors = config.there();
+        if !config.commands {
+            authors.push(Role::Launch);
+        }
         Ok(Self {
-            contract: contract(),
-            run,
-            over: false,
             bells: Bells::open(peer)?,
             overheard,
             session: Session::open(&config, waker)?,
             socket: Socket::open(peer.domain().folder())?,
-            lanes: Lanes::default(),
+            lanes,
             hearts: Hearts::default(),
-            clock: ClockFilter::default(),
             other: Other::default(),
+            account: Account::new(&config.other, now_ns()),
+            was_there: false,
             lockstep: false,
-            number: 0,
+            has_failed: false,
+            origin: Origin {
+                sender: now_ns(),
+                number: 0,
+            },
             beaten_ns: 0,
+            refreshed_ns: 0,
             looked_ns: 0,
+            repeated_ns: 0,
             reads: 0,
             said: Beat::default(),
-            complaint: String::new(),
-            config,
+            complaints: BTreeSet::new(),
+            here: config.here(),
+            authors,
+            own: Own {
+                contract: contract(),
+                host: config.host,
+                other: config.other,
+                scenario: config.scenario,
+                instance: root.to_string_lossy().into_owned(),
+                commands: config.commands,
+            },
         })
     }
 
     fn look(&mut self, guest: &Guest) -> Result<(), StartError> {
+        let looked = self.look_once(guest);
+        self.has_failed = looked.is_err();
+        looked
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        // One that fails is started again: the run goes on.
+        if self.has_failed || std::thread::panicking() {
+            return;
+        }
+        let beat = Beat {
+            leaving: true,
+            sent_ns: now_ns(),
+            ..self.said.clone()
+        };
+        self.push(&Frame::Beat(Box::new(beat)));
+    }
+}
+
+impl Link {
+    fn look_once(&mut self, guest: &Guest) -> Result<(), StartError> {
         let rings = self.overheard.wait(WAIT);
         self.lockstep = guest.roster().clock.mode == RunMode::Lockstep.code();
         self.socket.poll();
@@ -139,35 +173,20 @@ impl Companion for Link {
         }
         let now_ns = now_ns();
         self.see_other(now_ns);
-        for (row, parts) in self.hearts.due(&sitters, !self.other.is_there, now_ns) {
+        for (row, parts) in self.hearts.due(&sitters, self.other.is_cut(now_ns), now_ns) {
             let number = u8::try_from(row.number).unwrap_or(u8::MAX);
             if let Some(lane) = self.lanes.lane(number) {
                 lane.write(guest.peer(), &parts)?;
             }
         }
-        self.send(guest, &rings, now_ns)?;
-        self.beat(&sitters, now_ns);
-        Ok(())
+        // First of all the other host hears whom this one hears: before that it takes no message.
+        self.beat(now_ns);
+        self.send(guest, &rings, now_ns)
     }
-}
 
-impl Drop for Link {
-    fn drop(&mut self) {
-        let beat = Beat {
-            leaving: true,
-            sent_ns: now_ns(),
-            ..self.said.clone()
-        };
-        self.number += 1;
-        let frame = Frame::Beat(Box::new(beat)).encode(self.number);
-        self.session.outbox.push(frame);
-    }
-}
-
-impl Link {
-    /// The offset of the other clock, as well as it is known.
-    fn offset(&self) -> Option<Offset> {
-        self.clock.offset(now_ns())
+    fn push(&mut self, frame: &Frame<'_>) {
+        self.origin.number += 1;
+        self.session.outbox.push(frame.encode(self.origin));
     }
 
     fn receive(
@@ -176,22 +195,23 @@ impl Link {
         sitters: &[Sitter],
         bytes: &[u8],
     ) -> Result<(), StartError> {
-        let (number, frame) = match decode(bytes) {
+        let (origin, frame) = match decode(bytes) {
             Ok(read) => read,
             Err(error) => {
                 tracing::warn!(%error, "rejected");
                 return Ok(());
             }
         };
-        // A link that was started again begins anew, and what was sent before anybody listened is not lost.
-        if self.other.is_there && number > self.other.number {
-            self.other.lost += number - self.other.number - 1;
+        if let Frame::Beat(beat) = frame {
+            self.hear(origin, *beat);
+            return Ok(());
         }
-        self.other.number = number;
+        if !self.other.counts(origin) {
+            return Ok(());
+        }
         match frame {
-            Frame::Beat(beat) => self.hear(*beat),
-            Frame::Ring { role, event } if self.takes() => {
-                if self.config.here().contains(&role) {
+            Frame::Ring { role, event } if self.is_paired() => {
+                if self.here.contains(&role) {
                     self.bells.ring(role, usize::from(event));
                 }
             }
@@ -199,17 +219,15 @@ impl Link {
                 topic,
                 envelope,
                 items,
-            } if self.takes() => self.write(guest, sitters, topic, envelope, items)?,
-            Frame::Ring { .. } | Frame::Message { .. } => self.other.lost += 1,
+            } if self.is_paired() => self.write(guest, sitters, topic, envelope, items)?,
+            _ => self.other.lose(1),
         }
         Ok(())
     }
 
-    /// True while messages of the other host belong to the run of this one.
-    fn takes(&self) -> bool {
-        let beat = self.other.beat.as_ref();
-        let is_of_run = |beat: &Beat| beat.run == self.run && self.refusal(beat).is_none();
-        !self.over && beat.is_some_and(is_of_run)
+    /// True while both hosts hear each other, and the run goes on.
+    fn is_paired(&self) -> bool {
+        self.other.partner(&self.own).is_some()
     }
 
     fn write(
@@ -220,19 +238,22 @@ impl Link {
         envelope: &[u8],
         items: &[u8],
     ) -> Result<(), StartError> {
-        let Some(offset) = self.offset() else {
-            self.other.lost += 1;
+        let Some(offset) = self.other.offset(now_ns()) else {
+            self.other.lose(1);
             return Ok(());
         };
         let Some(lane) = self.lanes.lane(topic) else {
-            tracing::warn!(topic, "a topic that there is not");
+            self.complain(format!("rejected: there is no topic {topic}"));
             return Ok(());
         };
         let row = lane.row();
-        let (author, parts) = match lane.accept(envelope, items, offset.ahead_ns) {
+        let bytes = envelope.len() + items.len();
+        self.account.received(row.name, bytes, offset);
+        let accepted = lane.accept(envelope, items, offset.ahead_ns, &self.authors);
+        let (author, parts) = match accepted {
             Ok(accepted) => accepted,
             Err(refusal) => {
-                tracing::warn!(topic = row.name, %refusal, "rejected");
+                self.complain(format!("{} rejected: {refusal}", row.name));
                 return Ok(());
             }
         };
@@ -245,104 +266,63 @@ impl Link {
         while !lane.write(guest.peer(), &parts)? {
             // In real time the next message is the better one.
             if !self.lockstep || since.elapsed() > HELD_LIMIT {
-                self.other.lost += 1;
+                self.other.lose(1);
                 break;
             }
             std::thread::sleep(HELD_PAUSE);
         }
-        let here = self.config.here();
-        for role in rung(row, self.lockstep).filter(|role| here.contains(role)) {
+        for role in rung(row, self.lockstep).filter(|role| self.here.contains(role)) {
             self.bells.ring(role, row.number);
         }
         Ok(())
     }
 
-    fn hear(&mut self, beat: Beat) {
-        let came_ns = now_ns();
-        // A second robot's host waits until this run is over.
-        if self.is_busy_with_another(&beat, came_ns) {
-            return;
-        }
-        if beat.echo_sent_ns != 0 {
-            self.clock.add(Exchange {
-                sent_ns: beat.echo_sent_ns,
-                came_there_ns: beat.echo_received_ns,
-                sent_there_ns: beat.sent_ns,
-                came_ns,
-            });
-        }
-        if let Some(refusal) = self.refusal(&beat) {
-            self.complain(refusal);
-        } else {
-            self.complaint.clear();
-            if self.config.commands {
-                self.socket.ended(&beat.held);
-            } else if self.run.is_empty() {
-                tracing::info!(run = beat.run, from = beat.host, "takes part");
-                self.run.clone_from(&beat.run);
+    fn hear(&mut self, origin: Origin, beat: Beat) {
+        let was_partner = self.other.was_partner();
+        let held = beat.held.clone();
+        match self.other.hear(&self.own, origin, beat, now_ns()) {
+            Heard::Taken => {
+                if !was_partner && self.other.was_partner() {
+                    let (other, instance) = (&self.own.other, self.other.instance());
+                    tracing::info!(other, instance = %printable(instance), "takes part");
+                }
             }
+            Heard::Restarted => {
+                let other = &self.own.other;
+                tracing::warn!(other, "was started again: its processes have ended");
+                self.complaints.clear();
+                self.socket.all_ended(LOST);
+            }
+            Heard::Late => return,
+            Heard::Refused(why) => return self.complain(why),
         }
-        let is_of_another = !self.config.commands && !self.run.is_empty() && self.run != beat.run;
-        if !self.config.commands && (beat.leaving && !self.run.is_empty() || is_of_another) {
-            self.over = true;
+        if self.own.commands {
+            self.socket.ended(&held);
         }
-        if beat.leaving {
-            self.other.is_there = false;
-            self.lanes.restart();
-        }
-        self.other.came_ns = came_ns;
-        self.other.beat = Some(beat);
     }
 
-    /// True on a host that takes part in a run which goes on, when `beat` is of another one.
-    fn is_busy_with_another(&self, beat: &Beat, now_ns: u64) -> bool {
-        !self.config.commands
-            && !self.run.is_empty()
-            && beat.run != self.run
-            && now_ns.saturating_sub(self.other.came_ns) < ABANDONED_NS
-    }
-
-    /// Why the other host cannot take part; `None` when it can.
-    fn refusal(&self, beat: &Beat) -> Option<String> {
-        let other = &self.config.other;
-        if beat.host != *other {
-            return Some(format!("`{}` answers in the place of `{other}`", beat.host));
-        }
-        if beat.contract != self.contract {
-            return Some(format!("{other} was built from another contract"));
-        }
-        let is_elsewhere = !beat.run.is_empty() && beat.run != self.run;
-        if self.config.commands && is_elsewhere {
-            return Some(format!("{other} takes part in another run, {}", beat.run));
-        }
-        if beat.scenario != self.config.scenario {
-            return Some(format!("{other} has another scenario than this host"));
-        }
-        None
-    }
-
-    fn complain(&mut self, refusal: String) {
-        if self.complaint != refusal {
-            tracing::error!("{refusal}");
-            self.complaint = refusal;
+    /// Says what is wrong, once.
+    fn complain(&mut self, what: String) {
+        if self.complaints.len() < COMPLAINTS_MAX && !self.complaints.contains(&what) {
+            tracing::error!("{what}");
+            self.complaints.insert(what);
         }
     }
 
     /// Says when the other host comes and goes.
     fn see_other(&mut self, now_ns: u64) {
-        let is_there = self.other.beat.as_ref().is_some_and(|beat| !beat.leaving)
-            && now_ns.saturating_sub(self.other.came_ns) < GONE_NS;
-        if is_there == self.other.is_there {
+        let is_there = self.other.is_there(now_ns);
+        if is_there == self.was_there {
             return;
         }
-        self.other.is_there = is_there;
-        let other = &self.config.other;
+        self.was_there = is_there;
+        let other = &self.own.other;
         if is_there {
             tracing::info!(other, "is there");
         } else {
-            tracing::warn!(other, "is silent");
-            // What is latched is sent again once it is there again.
-            self.lanes.restart();
+            tracing::warn!(other, lost = self.other.lost(), "is silent");
+            self.account.cut();
+            self.other.may_have_missed();
         }
     }
 
@@ -352,62 +332,81 @@ impl Link {
         rings: &[(Role, Rung)],
         now_ns: u64,
     ) -> Result<(), StartError> {
-        let beat = self.other.beat.as_ref();
-        let is_known = self.other.is_there && self.takes();
-        let wanted = beat.filter(|beat| is_known && beat.synchronised);
-        let bits = wanted.map_or(0, |beat| beat.reads);
-        self.lanes.listen(guest.peer(), bits)?;
-        let (outbox, number) = (&self.session.outbox, &mut self.number);
-        let mut push = |frame: Frame<'_>| {
-            *number += 1;
-            outbox.push(frame.encode(*number));
-        };
-        // Without any room everything stays where the newest message wins.
-        if outbox.has_room() {
-            self.lanes.take(
-                || outbox.has_room(),
-                |topic, (envelope, items)| {
-                    push(Frame::Message {
+        let beat = self.other.partner(&self.own);
+        let beat = beat.filter(|beat| self.was_there && beat.synchronised);
+        if let Some(reads) = beat.map(|beat| beat.reads) {
+            self.lanes.listen(guest.peer(), reads)?;
+            let may_repeat = now_ns.saturating_sub(self.repeated_ns) > READS_NS;
+            if may_repeat && self.other.take_new() {
+                self.repeated_ns = now_ns;
+                self.lanes.repeat(guest.peer())?;
+            }
+            // Without room everything stays in its topic, where the newest message takes the place of the oldest.
+            if self.session.outbox.has_room() {
+                for (topic, (envelope, items)) in self.lanes.take(zeronav_shell::clock::now_ns) {
+                    if let Some(lane) = self.lanes.lane(topic) {
+                        let bytes = envelope.len() + items.len();
+                        self.account.sent(lane.row().name, bytes);
+                    }
+                    self.push(&Frame::Message {
                         topic,
                         envelope: &envelope,
                         items: &items,
                     });
-                },
-            );
-        }
-        // Topics ring on the other host by themselves.
-        for (role, rung) in rings.iter().filter(|_| bits != 0) {
-            if rung.has(EVENT_NEED_KEYFRAME) {
+                }
+            }
+            // Topics ring on the other host by themselves.
+            for (role, _) in rings
+                .iter()
+                .filter(|(_, rung)| rung.has(EVENT_NEED_KEYFRAME))
+            {
                 let event = u8::try_from(EVENT_NEED_KEYFRAME).unwrap_or(u8::MAX);
-                push(Frame::Ring { role: *role, event });
+                self.push(&Frame::Ring { role: *role, event });
             }
         }
         if now_ns.saturating_sub(self.looked_ns) > READS_NS {
             self.looked_ns = now_ns;
             self.reads = self.lanes.read(guest.peer());
+            let (offset, lost) = (self.other.offset(now_ns), self.other.lost());
+            let folder = guest.peer().domain().folder();
+            self.account.write(folder, offset, lost, now_ns);
+        }
+        if now_ns.saturating_sub(self.refreshed_ns) > LATE_NS {
+            self.refreshed_ns = now_ns;
             self.lanes.refresh();
         }
         Ok(())
     }
 
-    fn beat(&mut self, sitters: &[Sitter], now_ns: u64) {
-        let wanted = self.other.beat.as_ref().filter(|_| self.takes());
-        let wanted = wanted.map_or(&[][..], |beat| &beat.wanted);
-        self.socket.want(&self.run, wanted, self.over);
-        let came = self.other.beat.as_ref();
+    fn beat(&mut self, now_ns: u64) {
+        let partner = self.other.partner(&self.own);
+        let is_over = self.other.is_over();
+        if !self.own.commands && (is_over || partner.is_some()) {
+            let wanted = partner.map_or(&[][..], |beat| &beat.wanted);
+            self.socket.want(self.other.instance(), wanted, is_over);
+        }
+        let Own {
+            contract,
+            host,
+            scenario,
+            instance,
+            ..
+        } = self.own.clone();
+        let sitters = self.socket.sitters().into_iter();
         let beat = Beat {
-            contract: self.contract,
-            host: self.config.host.clone(),
-            run: self.run.clone(),
-            scenario: self.config.scenario.clone(),
+            contract,
+            host,
+            instance,
+            hears: self.other.instance().to_owned(),
+            scenario,
             leaving: false,
-            synchronised: self.offset().is_some(),
+            synchronised: self.other.offset(now_ns).is_some(),
             sent_ns: 0,
             echo_sent_ns: 0,
             echo_received_ns: 0,
             reads: self.reads,
-            lost: self.other.lost,
-            wanted: sitters.iter().map(|sitter| sitter.seat).collect(),
+            lost: self.other.lost(),
+            wanted: sitters.map(|sitter| sitter.seat).collect(),
             held: self.socket.held(),
         };
         if beat == self.said && now_ns.saturating_sub(self.beaten_ns) < BEAT_NS {
@@ -419,15 +418,14 @@ impl Link {
         }
         self.said = beat.clone();
         self.beaten_ns = now_ns;
+        let came = self.other.beat();
         let beat = Beat {
             sent_ns: zeronav_shell::clock::now_ns(),
-            echo_sent_ns: came.map_or(0, |came| came.sent_ns),
-            echo_received_ns: came.map_or(0, |_| self.other.came_ns),
+            echo_sent_ns: came.map_or(0, |(came, _)| came.sent_ns),
+            echo_received_ns: came.map_or(0, |(_, came_ns)| came_ns),
             ..beat
         };
-        self.number += 1;
-        let frame = Frame::Beat(Box::new(beat)).encode(self.number);
-        self.session.outbox.push(frame);
+        self.push(&Frame::Beat(Box::new(beat)));
     }
 }
 

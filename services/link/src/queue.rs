@@ -1,5 +1,6 @@
-//! The queues between the link's loop and Zenoh's threads. Both are bounded by bytes: what finds no room stays
-//! in the topics' own queues, where the newest message takes the place of the oldest.
+//! The queues between the link's loop and Zenoh's threads. Nothing is put into one that has no room: what is to be sent
+//! stays in the topics' own queues, where the newest message takes the place of the oldest, and what comes waits in the
+//! transport. One frame, of whatever length, may stand out.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -26,7 +27,7 @@ impl FrameQueue {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// True when one more frame, of whatever length, is taken at once.
+    /// True while less than [`ROOM_BYTES`] lie in it: one more frame fits, of whatever length.
     #[must_use]
     pub fn has_room(&self) -> bool {
         self.lock().bytes < ROOM_BYTES
@@ -40,7 +41,7 @@ impl FrameQueue {
         self.changed.notify_all();
     }
 
-    /// Waits until there is room, and puts in a frame. Of a queue that was closed, the frame is dropped.
+    /// Waits until there is room, or the queue is closed, and puts in a frame.
     pub fn push_when_there_is_room(&self, frame: Vec<u8>) {
         let mut inner = self.lock();
         while inner.bytes >= ROOM_BYTES && !inner.closed {

@@ -24,7 +24,8 @@ const BEAT_NS: u64 = 50_000_000;
 
 #[derive(Debug, Default)]
 struct Heart {
-    /// Beats that were written here.
+    /// Number of the last beat that was written here. It begins with the milliseconds of the clock, so that a link that
+    /// was started again goes on above those of the one before.
     count: u64,
     /// What was said last.
     last: Health,
@@ -61,7 +62,7 @@ impl Hearts {
         let heart = self.0.entry(of).or_default();
         heart.came_ns = now_ns;
         // Progress goes on from where the link's own beats left it.
-        let progress = heart.last.progress.max(envelope.meta().progress) + 1;
+        let progress = (heart.last.progress.max(envelope.meta().progress)).saturating_add(1);
         let health = Health {
             pid: sitter.pid,
             progress,
@@ -96,7 +97,7 @@ impl Hearts {
                 HealthState::Starting
             };
             let health = Health {
-                progress: heart.last.progress + 1,
+                progress: heart.last.progress.saturating_add(1),
                 state: state.code(),
                 reasons: heart.last.reasons | REASON_LINK,
                 pid: sitter.pid,
@@ -124,7 +125,7 @@ impl Heart {
     /// The parts of the next beat.
     fn write(&mut self, row: &TopicRow, header: Header, health: Health, now_ns: u64) -> Parts {
         debug_assert_eq!(row.envelope_bytes, size_of::<HealthEnvelope>());
-        self.count += 1;
+        self.count = (self.count + 1).max(now_ns / 1_000_000);
         self.written_ns = now_ns;
         self.last = Health {
             reasons: health.reasons & !REASON_LINK,
@@ -183,14 +184,14 @@ mod tests {
         // Not started yet.
         let due = hearts.due(&[SITTER], false, now_ns);
         let (header, first) = health(&due[0].1);
-        assert_eq!((header.id().epoch(), header.id().count()), (2, 1));
+        assert_eq!((header.id().epoch(), header.id().count()), (2, 1_000));
         assert_eq!(first.state(), Some(HealthState::Starting));
         assert_eq!((first.reasons, first.pid), (REASON_LINK, 77));
         // It beats: under the process id of who sits here, numbered onwards.
         now_ns += 10_000_000;
         let heard = hearts.heard((3, 2), &[SITTER], beat(400, HealthState::Ready), now_ns);
         let (header, second) = health(&heard);
-        assert_eq!((header.id().count(), second.pid), (2, 77));
+        assert_eq!((header.id().count(), second.pid), (1_010, 77));
         assert_eq!(second.state(), Some(HealthState::Ready));
         assert_eq!(second.reasons, 0);
         assert!(second.progress > 400);

@@ -3,8 +3,10 @@
 use crate::config::LinkConfig;
 use crate::queue::FrameQueue;
 use serde_json::{Value, json};
+use std::mem::ManuallyDrop;
 use std::sync::Arc;
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 use zenoh::Wait;
 use zenoh::pubsub::Publisher;
 use zenoh::qos::{CongestionControl, Priority};
@@ -12,10 +14,18 @@ use zeronav_shell::StartError;
 use zeronav_shell::doorbell::Waker;
 
 /// How long nothing may come before an end counts as gone. [ms]
-const LEASE_MS: u32 = 2_000;
+const LEASE_MS: u32 = 4_000;
 
 /// Bytes that the kernel keeps on the way out: what waits there is late, what waits in a topic is superseded.
 const KERNEL_BYTES: u32 = 32 * 1024;
+
+/// For how long a piece of a frame may wait for a narrow way before Zenoh closes the connection: no longer than until the
+/// end would count as gone. [us]
+const NARROW_US: u32 = 1_000 * LEASE_MS;
+
+/// How long the last frames may take to go out.
+const LEAVE_LIMIT: Duration = Duration::from_millis(500);
+const LEAVE_PAUSE: Duration = Duration::from_millis(2);
 
 /// Time between two tries to connect. [ms]
 const RETRY_MS: u32 = 250;
@@ -28,7 +38,7 @@ pub struct Session {
     /// What has come.
     pub inbox: Arc<FrameQueue>,
     sender: Option<JoinHandle<()>>,
-    zenoh: zenoh::Session,
+    zenoh: ManuallyDrop<zenoh::Session>,
 }
 
 impl Session {
@@ -70,7 +80,7 @@ impl Session {
             outbox,
             inbox,
             sender: Some(sender),
-            zenoh,
+            zenoh: ManuallyDrop::new(zenoh),
         })
     }
 }
@@ -80,8 +90,14 @@ impl Drop for Session {
         self.inbox.close();
         self.outbox.close();
         // What is in the queue still goes out: the last beat says that this end leaves.
-        if let Some(sender) = self.sender.take() {
-            let _ = sender.join();
+        let since = Instant::now();
+        let is_sending = |sender: &JoinHandle<()>| !sender.is_finished();
+        while self.sender.as_ref().is_some_and(is_sending) {
+            if since.elapsed() > LEAVE_LIMIT {
+                // The way is cut: Zenoh would wait for it as well, and ends with the process.
+                return;
+            }
+            std::thread::sleep(LEAVE_PAUSE);
         }
         let _ = self.zenoh.close().wait();
     }
@@ -119,6 +135,8 @@ fn ends(config: &LinkConfig) -> Result<zenoh::Config, zenoh::Error> {
     let retry = json!({ "period_init_ms": RETRY_MS, "period_max_ms": 2 * RETRY_MS, "period_increase_factor": 2.0 });
     set("connect/retry", &retry)?;
     set("transport/link/tx/lease", &LEASE_MS.into())?;
+    let narrow = "transport/link/tx/queue/congestion_control/block/wait_before_close";
+    set(narrow, &NARROW_US.into())?;
     set("transport/link/tcp/so_sndbuf", &KERNEL_BYTES.into())?;
     set("transport/link/tls/so_sndbuf", &KERNEL_BYTES.into())?;
     if !config.keys.as_os_str().is_empty() {

@@ -92,13 +92,14 @@ impl Socket {
             });
     }
 
-    /// Who sits in seats for processes on the other host.
+    /// Who sits in seats for processes on the other host, but for those that were told that theirs has ended.
     #[must_use]
     pub fn sitters(&self) -> Vec<Sitter> {
-        self.clients
+        let sitting = self
+            .clients
             .iter()
-            .filter_map(|client| client.sits)
-            .collect()
+            .filter(|client| !matches!(client.told, Some(FromLink::Ended { .. })));
+        sitting.filter_map(|client| client.sits).collect()
     }
 
     /// The seats that are filled here for the other host.
@@ -119,6 +120,13 @@ impl Socket {
             if let Some(code) = code {
                 client.tell(FromLink::Ended { code });
             }
+        }
+    }
+
+    /// Tells all who sit here that their processes have ended with this exit code.
+    pub fn all_ended(&mut self, code: u8) {
+        for client in self.clients.iter_mut().filter(|it| it.sits.is_some()) {
+            client.tell(FromLink::Ended { code });
         }
     }
 

@@ -17,6 +17,9 @@ use zeronav_msgs::role::Role;
 /// File name of the socket in the domain's root folder.
 pub const LINK_SOCKET: &str = "link.sock";
 
+/// File name of what the link counts, in the same folder: one JSON object, written once a second.
+pub const LINK_REPORT: &str = "link.json";
+
 /// Longest line. [bytes]
 const LINE_BYTES_MAX: usize = 16 * 1024;
 

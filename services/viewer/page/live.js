@@ -176,6 +176,7 @@
       ];
       const details = `${words_of_state}; pid ${service.pid}, epoch ${service.epoch}, ${service.rejected} messages rejected${binaryOf(service.role)}`;
       row.title = details;
+      row.cells[0].textContent = nameOf(service.role);
       const state = row.cells[1].firstChild;
       state.textContent = words_of_state;
       state.className = `state ${service.state}`;
@@ -190,6 +191,12 @@
   function binaryOf(role) {
     const found = run && run.services.find((service) => service.role === role);
     return found ? `, ${found.binary}` : "";
+  }
+
+  /** A seat, and the host that fills it in a stack of two. */
+  function nameOf(role) {
+    const found = run && run.services.find((service) => service.role === role);
+    return role.replaceAll("_", " ") + (found && found.host ? ` on ${found.host}` : "");
   }
 
   /** A count in at most four characters. */

@@ -161,7 +161,8 @@ impl Bench {
         output(&mut self.command(arguments, more))
     }
 
-    fn command(&mut self, arguments: &[&str], more: &[&str]) -> Command {
+    /// `zeronav` of the release build with these arguments, whose results go to a folder of this bench.
+    pub(super) fn command(&mut self, arguments: &[&str], more: &[&str]) -> Command {
         let mut command = Command::new(target().join("release").join("zeronav"));
         command
             .args(arguments)

@@ -3,8 +3,8 @@
 use super::bench::{Bench, Measured};
 use super::printed::{mapping_scale, planner_replan, with_data};
 use super::{
-    big_map, bridge, extract, faults, latencies, paired, shards, standing, suites, tracker, trials,
-    viewing,
+    big_map, bridge, extract, faults, hosts, latencies, paired, shards, standing, suites, tracker,
+    trials, viewing,
 };
 
 /// One experiment.
@@ -130,6 +130,16 @@ pub const EXPERIMENTS: &[Experiment] = &[
              from the seat to the callback of the node. Medians of the rounds, behind them their quartiles.",
         ),
         make: bridge::make,
+    },
+    Experiment {
+        key: "hosts",
+        title: "mapping and planners on a second host, five rounds in turn, and 20 drives over each bad way",
+        minutes: 25.0,
+        by_default: false,
+        note: Some(
+            "Two network namespaces of one machine. A way becomes bad after 2 s of a drive of 11 m; four drives at a time.",
+        ),
+        make: hosts::make,
     },
     Experiment {
         key: "shards",

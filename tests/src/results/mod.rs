@@ -10,6 +10,7 @@ mod bridge;
 pub mod experiments;
 pub mod extract;
 mod faults;
+mod hosts;
 mod latencies;
 pub mod page;
 mod paired;

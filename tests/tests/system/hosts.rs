@@ -3,10 +3,30 @@
 
 use rustix::process::Signal;
 use serde_json::{Value, json};
-use zeronav_tests::hosts::{Way, free_end, scenario, start};
+use zeronav_tests::hosts::{
+    Way, free_end, link_log, make_keys, scenario, split, start, start_with_keys,
+};
 use zeronav_tests::{
     Zeronav, await_by_itself, command, leftovers, real_time_turn, send_signal, services_of,
 };
+
+const LOCKSTEP: [&str; 5] = ["run", "scenario.toml", "--lockstep", "--headless", "--json"];
+const AS_ROBOT: [&str; 2] = ["--host", "robot"];
+const DRIVE: [&str; 6] = [
+    "run",
+    "scenario.toml",
+    "--headless",
+    "--json",
+    AS_ROBOT[0],
+    AS_ROBOT[1],
+];
+const SERVE: [&str; 4] = ["up", "scenario.toml", "--host", "base"];
+
+/// Run time of a drive. [s]
+fn time_s(run: &Zeronav) -> f64 {
+    let report = run.report().unwrap_or_default();
+    report["time_s"].as_f64().unwrap_or(0.0)
+}
 
 /// Waits until the base has told its services and has none left.
 fn ends_with_its_services(base: Zeronav) {
@@ -26,15 +46,12 @@ fn ends_with_its_services(base: Zeronav) {
 #[test]
 fn a_lockstep_run_on_two_hosts_is_the_run_on_one() {
     let text = scenario("blocked_aisle", &free_end());
-    let run = |more: &[&str]| {
-        let arguments = ["run", "scenario.toml", "--lockstep", "--headless", "--json"];
-        start(command(), &text, &[&arguments[..], more].concat())
-    };
+    let run = |more: &[&str]| start(command(), &text, &[&LOCKSTEP[..], more].concat());
     let alone = run(&[]).finish().expect(0);
     // In any order: the base comes later here, and serves a second run.
-    let first = run(&["--host", "robot"]);
-    let base = start(command(), &text, &["up", "scenario.toml", "--host", "base"]);
-    for robot in [first, run(&["--host", "robot"])] {
+    let first = run(&AS_ROBOT);
+    let base = start(command(), &text, &SERVE);
+    for robot in [first, run(&AS_ROBOT)] {
         let result = robot.finish().expect(0);
         assert_eq!(result["run_hash"], alone["run_hash"], "{result:#}");
         assert_eq!(result["restarts"], json!([]), "{result:#}");
@@ -44,6 +61,35 @@ fn a_lockstep_run_on_two_hosts_is_the_run_on_one() {
             .filter(|it| it["binary"] == "zeronav-remote-seat");
         assert_eq!(remote.count(), 3, "{result:#}");
     }
+    ends_with_its_services(base);
+}
+
+#[test]
+fn a_stranger_with_keys_of_another_authority_is_heard_by_nobody() {
+    let keys = tempfile::tempdir().expect("a folder");
+    let [own, foreign] = ["own", "foreign"].map(|name| keys.path().join(name));
+    make_keys(&own);
+    make_keys(&foreign);
+    // It trusts the base.
+    std::fs::copy(own.join("ca.pem"), foreign.join("ca.pem")).expect("copied");
+    let end = free_end().replace("tcp/", "tls/");
+    let text = split("unsealed", &["mapping"], &end);
+    let as_robot = [&LOCKSTEP[..], &AS_ROBOT].concat();
+    let start = |keys, arguments: &[&str]| start_with_keys(command(), &text, keys, arguments);
+    let alone = start(&own, &LOCKSTEP).finish().expect(0);
+    let mut base = start(&own, &SERVE);
+    let stranger = start(&foreign, &as_robot);
+    base.wait_until("the base has rejected the stranger", |base| {
+        link_log(base).contains("invalid peer certificate")
+    });
+    let result = start(&own, &as_robot).finish().expect(0);
+    assert_eq!(result["run_hash"], alone["run_hash"], "{result:#}");
+    let (of_base, of_stranger) = (link_log(&base), link_log(&stranger));
+    assert_eq!(of_base.matches("takes part").count(), 1, "{of_base}");
+    assert!(!of_stranger.contains("is there"), "{of_stranger}");
+    stranger.signal(Signal::INT);
+    let ended = stranger.finish();
+    assert_eq!(ended.code(), 130, "{}", ended.stderr);
     ends_with_its_services(base);
 }
 
@@ -58,27 +104,17 @@ fn a_way_that_is_cut_brings_the_robot_to_rest_and_it_goes_on() {
     let _turn = real_time_turn();
     let mut way = Way::new();
     let text = scenario("blocked_aisle", Way::end());
-    let base = start(
-        way.zeronav(1),
-        &text,
-        &["up", "scenario.toml", "--host", "base"],
-    );
-    let arguments = [
-        "run",
-        "scenario.toml",
-        "--host",
-        "robot",
-        "--headless",
-        "--json",
-    ];
-    let mut robot = start(way.zeronav(0), &text, &arguments);
-    let time_s = |run: &Zeronav| {
-        let report = run.report().unwrap_or_default();
-        report["time_s"].as_f64().unwrap_or(0.0)
-    };
-    for (at_s, cut_s) in [(3.0, 0.1), (6.0, 1.0), (11.0, 10.0)] {
+    let base = start(way.zeronav(1), &text, &SERVE);
+    let mut robot = start(way.zeronav(0), &text, &DRIVE);
+    let (cut, half) = (json!({ "cut": true }), json!({ "half": true }));
+    for (how, at_s, cut_s) in [
+        (&cut, 3.0, 0.1),
+        (&cut, 5.0, 1.0),
+        (&half, 8.0, 3.0),
+        (&cut, 13.0, 10.0),
+    ] {
         robot.wait_until("the robot is on its way", |run| time_s(run) > at_s);
-        way.set(&json!({ "cut": true }));
+        way.set(how);
         let until_s = time_s(&robot) + cut_s;
         robot.wait_until("the way was cut long enough", |run| time_s(run) > until_s);
         way.mend();
@@ -94,24 +130,18 @@ fn late_lossy_and_narrow_ways_are_driven_over_without_a_contact() {
     let _turn = real_time_turn();
     let mut way = Way::new();
     let text = scenario("blocked_aisle", Way::end());
-    let base = start(
-        way.zeronav(1),
-        &text,
-        &["up", "scenario.toml", "--host", "base"],
-    );
-    let arguments = [
-        "run",
-        "scenario.toml",
-        "--host",
-        "robot",
-        "--headless",
-        "--json",
-    ];
-    way.set(&json!({ "loss": 0.02, "delay_s": 0.02, "jitter_s": 0.01 }));
-    safe_and_there(&start(way.zeronav(0), &text, &arguments).finish().expect(0));
+    let base = start(way.zeronav(1), &text, &SERVE);
+    let late = json!({ "loss": 0.02, "delay_s": 0.02, "jitter_s": 0.01 });
+    way.set(&late);
+    let mut robot = start(way.zeronav(0), &text, &DRIVE);
+    for (how, at_s) in [(&json!({ "loss": 0.2 }), 5.0), (&late, 10.0)] {
+        robot.wait_until("the robot is on its way", |run| time_s(run) > at_s);
+        way.set(how);
+    }
+    safe_and_there(&robot.finish().expect(0));
     // One Mbit/s is less than the map alone takes: the robot may stand.
     way.set(&json!({ "bytes_per_s": 125_000 }));
-    let result = start(way.zeronav(0), &text, &arguments).finish().json();
+    let result = start(way.zeronav(0), &text, &DRIVE).finish().json();
     assert_eq!(result["contacts"], 0, "{result:#}");
     let outcome = result["outcome"].as_str().unwrap_or_default();
     assert!(
@@ -125,38 +155,44 @@ fn late_lossy_and_narrow_ways_are_driven_over_without_a_contact() {
 fn what_ends_on_the_other_host_is_started_again_there() {
     let _turn = real_time_turn();
     let text = scenario("unsealed", &free_end());
-    let mut base = start(command(), &text, &["up", "scenario.toml", "--host", "base"]);
-    let arguments = [
-        "run",
-        "scenario.toml",
-        "--host",
-        "robot",
-        "--headless",
-        "--json",
-    ];
-    let mut robot = start(command(), &text, &arguments);
-    robot.wait_until("the robot is on its way", |run| {
-        let report = run.report().unwrap_or_default();
-        report["time_s"].as_f64().is_some_and(|time_s| time_s > 1.0)
-    });
-    let planner = |base: &Zeronav| {
+    let mut base = start(command(), &text, &SERVE);
+    let mut robot = start(command(), &text, &DRIVE);
+    robot.wait_until("the robot is on its way", |run| time_s(run) > 1.0);
+    let process = |base: &Zeronav, program: &str| {
         let services = services_of(base.pid());
-        let planner = services
-            .iter()
-            .find(|(_, it)| it.contains("zeronav-global-planner"));
-        planner.map(|(pid, _)| *pid)
+        let found = services.iter().find(|(_, it)| it.contains(program));
+        found.map(|(pid, _)| *pid)
     };
-    let first = planner(&base).expect("a planner");
-    assert!(send_signal(first, Signal::KILL));
+    let seats = |base: &Zeronav| -> Vec<(u32, String)> {
+        let mut services = services_of(base.pid());
+        services.retain(|(_, it)| !it.contains("zeronav-link "));
+        services
+    };
+    let planner = process(&base, "zeronav-global-planner").expect("a planner");
+    assert!(send_signal(planner, Signal::KILL));
     base.wait_until("another planner runs there", |base| {
-        planner(base).is_some_and(|pid| pid != first)
+        process(base, "zeronav-global-planner").is_some_and(|pid| pid != planner)
     });
+    // What it fills goes on when its link is another one.
+    let before = seats(&base);
+    let link = process(&base, "zeronav-link ").expect("a link");
+    assert!(send_signal(link, Signal::KILL));
+    base.wait_until("another link takes part", |base| {
+        link_log(base).matches("takes part").count() == 2
+    });
+    assert_eq!(seats(&base), before);
+    // And when it has ended itself, another one begins anew.
+    base.signal(Signal::KILL);
+    drop(base);
+    let base = start(command(), &text, &SERVE);
     let result = robot.finish().expect(0);
     safe_and_there(&result);
-    assert_eq!(
-        result["restarts"][0]["service"], "global_planner",
-        "{result:#}"
-    );
+    let restarts = result["restarts"].as_array().expect("restarts");
+    let mut restarted: Vec<&Value> = restarts.iter().map(|it| &it["service"]).collect();
+    assert_eq!(restarted.remove(0), "global_planner", "{result:#}");
+    restarted.sort_by_key(ToString::to_string);
+    let all = ["global_planner", "local_planner", "mapping"];
+    assert_eq!(restarted, all, "{result:#}");
     ends_with_its_services(base);
 }
 
@@ -174,6 +210,17 @@ fn hosts_that_do_not_fit_say_so() {
         &zeronav_tests::shipped("unsealed"),
         &up("base"),
         "the scenario has no [hosts]",
+    );
+    let killed = "[[faults]]\nkind = \"kill\"\nservice = \"mapping\"\nbegins.at_s = 1.0\n";
+    refused(
+        &format!("{text}{killed}"),
+        &["check", "scenario.toml"],
+        "faults[0].service: mapping is not on robot",
+    );
+    refused(
+        &text,
+        &[&up("robot")[..], &["--set", "mapping.workers=1"]].concat(),
+        "mapping: its process is on the other host",
     );
     let apart = text.replace("\"robot\", \"collision_guard\"", "\"robot\"");
     let apart = apart.replace("[\"mapping\"", "[\"collision_guard\", \"mapping\"");

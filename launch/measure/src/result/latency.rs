@@ -50,6 +50,9 @@ pub struct Hop {
     /// Its figures.
     #[serde(flatten)]
     pub figures: Figures,
+    /// It begins on one host and ends on another: each of its times is true to within this. [us]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clock_uncertainty_us: Option<f64>,
 }
 
 /// The way of every scan to the wheels, hop by hop, whether or not anything had changed: the first

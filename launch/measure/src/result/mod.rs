@@ -7,6 +7,7 @@
 pub mod companion;
 pub mod fault;
 pub mod latency;
+pub mod link;
 pub mod moment;
 pub mod profile;
 pub mod scheduling;
@@ -19,6 +20,7 @@ pub mod truth;
 use companion::CompanionResult;
 use fault::FaultResult;
 use latency::Latency;
+use link::LinkResult;
 use moment::Moment;
 use profile::Profile;
 use scheduling::Scheduling;
@@ -126,6 +128,9 @@ pub struct RunResult {
     /// The processes that ran beside the stack.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub companions: Vec<CompanionResult>,
+    /// What the link between two hosts carried; left out when one computer fills every seat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<LinkResult>,
     /// Restarts of services during the run.
     pub restarts: Vec<Restart>,
     /// Services that got no processor for longer than `hang_after_s`, in real time.
@@ -272,6 +277,10 @@ pub struct ServiceResult {
     pub name: String,
     /// File name of the program that answered.
     pub binary: String,
+    /// The host that fills the seat, in a stack of two: memory and scheduling are of the program that stands in for
+    /// it on the robot's host.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub host: Option<String>,
     /// Its process id; 0 when none answered.
     pub pid: u32,
     /// True when the seat was left to a process that was started by hand.

@@ -3,6 +3,7 @@
 use super::companion::CompanionResult;
 use super::fault::FaultResult;
 use super::latency::Latency;
+use super::link::LinkResult;
 use super::swap::SwapResult;
 use super::{Environment, Redirect, Restart, ServiceResult, Starved};
 use serde::{Deserialize, Serialize};
@@ -40,6 +41,9 @@ pub struct StayResult {
     /// The processes that ran beside it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub companions: Vec<CompanionResult>,
+    /// What the link between two hosts carried; left out when one computer fills every seat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub link: Option<LinkResult>,
     /// Machine and build.
     pub environment: Environment,
     /// Folder with everything that it left.

@@ -131,11 +131,11 @@ hang_after_s = 0.5
 absent_ticks = 1
 [[faults]]
 kind = "kill"
-service = "mapping"
+service = "collision_guard"
 begins = { at_s = 1.0 }
 [[faults]]
 kind = "stop"
-service = "mapping"
+service = "collision_guard"
 begins = { robot_near = { point_m = [5.0, 2.0], distance_m = 1.0 } }
 lasts_s = 1.0
 [[faults]]
@@ -162,7 +162,7 @@ from_s = 1.0
 until_s = 5.0
 seed = 1
 kinds = ["kill"]
-services = ["mapping"]
+services = ["collision_guard"]
 [[swaps]]
 service = "mapping"
 at_s = 1.0
