@@ -44,6 +44,12 @@ const DISTURBED_LASTS_S: f64 = 1.0;
 /// The lines of such a drive, and what each of its faults is.
 #[must_use]
 pub fn disturbed() -> (String, Vec<String>) {
+    one_after_another(&disturbances())
+}
+
+/// What each of its faults is, and its lines without when it begins.
+#[must_use]
+pub fn disturbances() -> Vec<(String, String)> {
     let mut faults = Vec::new();
     for topic in TOPICS.map(|row| row.name) {
         for (kind, more) in TOPIC_KINDS {
@@ -61,13 +67,19 @@ pub fn disturbed() -> (String, Vec<String>) {
             faults.push((what, lines));
         }
     }
+    faults
+}
+
+/// The lines of a drive with some of them, and what each is.
+#[must_use]
+pub fn one_after_another(faults: &[(String, String)]) -> (String, Vec<String>) {
     let (mut lines, mut names, mut at_s) = (String::new(), Vec::new(), 2.0);
     for (name, fault) in faults {
         let _ = writeln!(
             lines,
             "[[faults]]\n{fault}begins = {{ at_s = {at_s:?} }}\nlasts_s = {DISTURBED_LASTS_S:?}"
         );
-        names.push(name);
+        names.push(name.clone());
         at_s += DISTURBED_EVERY_S;
     }
     (lines, names)

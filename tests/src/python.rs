@@ -163,7 +163,7 @@ fn environment(name: &str, wanted: String, add: impl FnOnce(&mut Command)) -> Pa
     succeed(make, NEEDED);
     let mut install = Command::new(&python);
     install
-        .args(["-m", "pip", "install", "--quiet"])
+        .args(["-m", "pip", "install", "--quiet", "--no-compile"])
         .arg("--disable-pip-version-check");
     add(&mut install);
     succeed(install, "pip needs the package registry");

@@ -14,7 +14,7 @@ use zeronav_robot_sim::SimConfig;
 use zeronav_scenario::Scenario;
 
 use crate::python::rclpy;
-use crate::{await_by_itself, binaries, send_signal, shipped, workspace};
+use crate::{await_by_itself, binaries, send_signal, workspace};
 
 /// Domains of ROS 2 for tests: some that nobody uses by default, each with ports that lie below those that the system
 /// gives out.
@@ -31,15 +31,14 @@ pub fn domain() -> u32 {
     DOMAINS.start + n % (DOMAINS.end - DOMAINS.start)
 }
 
-/// The shipped scenario `name` with the robot of a ROS domain in it: its folder, and the configuration of the robot's
-/// hardware.
+/// A scenario with the robot of a ROS domain in it: its folder, and the configuration of the robot's hardware.
+/// What the scenario expects is left out.
 ///
 /// # Panics
 /// When they cannot be written.
 #[must_use]
-pub fn folder_of(name: &str, domain_id: u32, more: &str) -> (TempDir, PathBuf) {
+pub fn folder_of(text: &str, domain_id: u32, more: &str) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = shipped(name);
     // What the simulator alone can tell is asked of the robot's own side.
     let (text, _) = text.split_once("[expect]").expect("expectations");
     let text = format!(

@@ -116,14 +116,14 @@ fn watcher(run: &Zeronav) -> (Option<u32>, Option<u64>) {
 
 #[test]
 fn a_companion_that_is_killed_changes_nothing() {
-    let without = folder_with("blocked_aisle", "");
+    let without = folder_with("door_closes", "");
     let flags = ["run", "./it.toml", "--headless", "--json", "--lockstep"];
     let without = Zeronav::start_in(without, &flags).finish().expect(0);
     assert_eq!(without["companions"], Value::Null, "{without:#}");
 
     // A seat that is left open holds the run until the companion is at work.
     let flags = [&flags[..], &["--external", "global_planner"]].concat();
-    let mut run = Zeronav::start_in(folder_with_python("blocked_aisle"), &flags);
+    let mut run = Zeronav::start_in(folder_with_python("door_closes"), &flags);
     run.wait_until("the others run", |run| {
         run.report().is_some_and(|report| {
             report["services"]

@@ -8,8 +8,8 @@ use zeronav_tests::{Ended, Zeronav, binaries, quiet_turn};
 /// Hostile messages for a program of the zoo.
 const FEW: &str = "5000";
 
-/// Hostile messages for a stock service: a tenth of what the kit sends without being asked.
-const SOME: &str = "100000";
+/// Hostile messages for a stock service: a fiftieth of what the kit sends without being asked.
+const SOME: &str = "20000";
 
 /// Kits that run side by side: they wait more than they compute.
 const AT_A_TIME: usize = 7;

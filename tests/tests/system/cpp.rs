@@ -5,12 +5,16 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 use tempfile::TempDir;
 use zeronav_msgs::header::{Header, Id, Parents, Stamps};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::{EndReason, StuckCause, TaskState, TaskStatus};
 use zeronav_msgs::topics::{TaskState as Status, Topic, seal, topics};
-use zeronav_tests::{Stranger, Zeronav, background, binaries, quiet_turn, send_signal, workspace};
+use zeronav_tests::rooms::box_in_an_aisle;
+use zeronav_tests::{
+    Stranger, Zeronav, background, binaries, real_time_turn, send_signal, workspace,
+};
 
 const HEADER: &str = "services/cpp/zeronav.hpp";
 
@@ -213,13 +217,24 @@ fn build(source: &Path, program: &Path) {
     assert!(output.status.success(), "{errors}");
 }
 
-/// Drives `blocked_aisle` with the example guard.
+/// The example guard, compiled once.
+fn guard() -> &'static Path {
+    static GUARD: OnceLock<PathBuf> = OnceLock::new();
+    GUARD.get_or_init(|| {
+        let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("guard");
+        build(
+            &workspace().join("services/cpp/examples/guard.cpp"),
+            &program,
+        );
+        program
+    })
+}
+
+/// Drives past a box in an aisle with the example guard.
 fn start(flags: &[&str]) -> Zeronav {
     let folder = TempDir::new().expect("a folder");
-    let guard = folder.path().join("guard");
-    build(&workspace().join("services/cpp/examples/guard.cpp"), &guard);
-    let text = zeronav_tests::shipped("blocked_aisle");
-    let binary = guard.display();
+    let text = box_in_an_aisle();
+    let binary = guard().display();
     let text = format!("{text}\n[services.collision_guard]\nbinary = \"{binary}\"\n");
     std::fs::write(folder.path().join("it.toml"), text).expect("written");
     let arguments = ["run", "./it.toml", "--headless", "--json"];
@@ -249,7 +264,7 @@ fn a_guard_in_cpp_drives_the_same_way_twice() {
 
 #[test]
 fn in_real_time_a_guard_in_cpp_keeps_up() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let result = start(&[]).finish().expect(0);
     assert_arrived(&result);
     assert_eq!(result["verdict"], "pass", "{result:#}");
@@ -258,7 +273,7 @@ fn in_real_time_a_guard_in_cpp_keeps_up() {
     let of_guard = |hop: &&Value| hop["name"] == "collision_guard";
     let guard = hops.and_then(|hops| hops.iter().find(of_guard));
     let n = guard.and_then(|hop| hop["n"].as_u64());
-    assert!(n.is_some_and(|n| n > 100), "{hops:#?}");
+    assert!(n.is_some_and(|n| n > 40), "{hops:#?}");
 }
 
 #[test]

@@ -3,13 +3,23 @@
 use rustix::process::{Pid, Signal, kill_process};
 use std::path::PathBuf;
 use zeronav_msgs::topics::{RobotScan, Topic};
+use zeronav_tests::rooms::box_in_an_aisle;
 use zeronav_tests::{
     Zeronav, await_by_itself, binaries, is_alive, leftovers, real_time_turn, zeronav,
 };
 
 /// Starts a drive in real time and waits until all five services are there.
 fn driving() -> (Zeronav, PathBuf) {
-    let mut run = Zeronav::start(&["run", "open_aisle", "--headless", "--json"]);
+    underway(Zeronav::start(&[
+        "run",
+        "open_aisle",
+        "--headless",
+        "--json",
+    ]))
+}
+
+/// The run and its domain, once everything is there.
+fn underway(mut run: Zeronav) -> (Zeronav, PathBuf) {
     run.wait_until("every service runs", |run| run.children().len() == 5);
     run.wait_until("every service knows its domain", |run| {
         run.domains().len() == 1
@@ -51,7 +61,10 @@ fn the_death_of_the_robot_ends_the_run_by_name() {
 #[test]
 fn killed_service_restarts_in_real_time() {
     let _turn = real_time_turn();
-    let (run, root) = driving();
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("it.toml"), box_in_an_aisle()).expect("written");
+    let arguments = ["run", "./it.toml", "--headless", "--json"];
+    let (run, root) = underway(Zeronav::start_in(folder, &arguments));
     let (pid, _) = run
         .children()
         .into_iter()

@@ -14,16 +14,16 @@ use zeronav_shell::{Domain, Peer, Roster, StartError};
 use zeronav_tests::{Zeronav, leftovers};
 
 /// How much run time passes before anybody joins. [s]
-const LATE_S: f64 = 60.0;
+const LATE_S: f64 = 15.0;
 
 /// Most wall time until the last message of a latched topic is there: its writer wakes every
 /// 50 ms at least, on a loaded machine later.
 const AT_ONCE: Duration = Duration::from_secs(20);
 
-/// Up and down an aisle for some minutes of run time. Mapping is told what moves, so that the simulator
+/// Up and down an aisle for longer than that. Mapping is told what moves, so that the simulator
 /// says it.
 fn scenario() -> String {
-    let goals = (0..16).map(|leg| {
+    let goals = (0..8).map(|leg| {
         let x_m = if leg % 2 == 0 { 12.5 } else { 5.0 };
         format!("[[goals]]\npose = [{x_m}, 6.425, 0.0]\nyaw_tolerance_rad = 3.15\n")
     });
@@ -68,12 +68,12 @@ fn is_silent(row: &TopicRow) -> bool {
 }
 
 #[test]
-fn readers_that_join_after_a_minute_get_data_on_every_topic() {
+fn readers_that_join_late_get_data_on_every_topic() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("it.toml"), scenario()).expect("written");
     let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
     let mut run = Zeronav::start_in(folder, &arguments);
-    run.wait_until("a minute has passed", |run| {
+    run.wait_until("it is late", |run| {
         let report = run.report().unwrap_or_default();
         report["time_s"]
             .as_f64()
@@ -101,7 +101,7 @@ fn readers_that_join_after_a_minute_get_data_on_every_topic() {
             if let Some(id) = came
                 && row.name == RobotDescription::ROW.name
             {
-                assert_eq!(id, Id::new(1, 1), "sent once, a minute ago");
+                assert_eq!(id, Id::new(1, 1), "sent once, at the start");
             }
             came.is_none()
         });

@@ -5,19 +5,14 @@
 use serde_json::Value;
 use std::path::PathBuf;
 use zeronav_tests::results::{record::Row, trials};
-use zeronav_tests::{Zeronav, assert_latencies_add_up, leftovers, quiet_turn, zeronav};
+use zeronav_tests::rooms::aisle_for_trials;
+use zeronav_tests::{Zeronav, assert_latencies_add_up, leftovers, real_time_turn, zeronav};
 
 #[test]
 fn trials_come_with_percentiles_and_the_floor_of_the_transport() {
-    let _turn = quiet_turn();
-    let mut run = Zeronav::start(&[
-        "run",
-        "blocked_aisle",
-        "--trials",
-        "4",
-        "--headless",
-        "--json",
-    ]);
+    let _turn = real_time_turn();
+    let arguments = ["run", "./it.toml", "--trials", "4", "--headless", "--json"];
+    let mut run = Zeronav::start_in(aisle_for_trials(), &arguments);
     let mut domains: Vec<PathBuf> = Vec::new();
     while !run.has_ended() {
         domains.extend(run.domains());
@@ -139,7 +134,7 @@ fn check_disturbance(disturbance: &Value) {
 /// answer that had to clear the back from the beginning came seconds late, or never.
 #[test]
 fn disc_is_answered_in_the_first_scan_that_shows_it() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = r#"
 title = "A disc appears 1.5 m ahead in a corridor"
@@ -180,7 +175,7 @@ pose = [7.0, 2.0, 0.0]
 /// waited for the next tick would be 10 ms old at the median when it is sent.
 #[test]
 fn in_real_time_a_scan_is_sent_when_it_is_captured() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = r#"
 title = "A TurtleBot 2 in an empty hall"
@@ -207,18 +202,20 @@ pose = [7.5, 4.0, 0.0]
 
 #[test]
 fn slow_trial_names_its_hop_and_its_service_off_the_processor() {
-    let _turn = quiet_turn();
-    let result = zeronav(&[
+    let _turn = real_time_turn();
+    let arguments = [
         "run",
-        "blocked_aisle",
+        "./it.toml",
         "--trials",
         "1",
         "--inject",
         "global_planner=200ms",
         "--headless",
         "--json",
-    ])
-    .expect(0);
+    ];
+    let result = Zeronav::start_in(aisle_for_trials(), &arguments)
+        .finish()
+        .expect(0);
     assert_eq!(result["injected_us"]["global_planner"], 200_000.0);
     // Whoever looks for the cause finds the hop, and that its service did not compute meanwhile.
     let slow = &result["trials"]["worst"][0];
@@ -234,7 +231,7 @@ fn slow_trial_names_its_hop_and_its_service_off_the_processor() {
 
 #[test]
 fn the_page_for_people_names_injected_delays() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = "title = \"A second at rest\"\nbase = [\"warehouse\", \"porter\"]\n\
                     start = [3.0, 8.5, 0.0]\n[run]\ntime_limit_s = 1.0\n\
@@ -253,7 +250,7 @@ fn the_page_for_people_names_injected_delays() {
 
 #[test]
 fn a_hundred_updates_a_second_and_a_slow_planner_still_yield_paths() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = r#"
 title = "A lidar that is faster than the planner"

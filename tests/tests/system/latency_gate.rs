@@ -7,20 +7,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::stages::Stage;
+use zeronav_tests::rooms::aisle_for_trials;
 use zeronav_tests::trace::{check_stages, checked};
-use zeronav_tests::{Ended, Zeronav, await_by_itself, children_of, is_alive, quiet_turn};
-
-/// A folder with `blocked_aisle` as `it.toml`, but with the robot where the first trial can begin at
-/// once.
-fn aisle() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a folder");
-    let text = zeronav_tests::shipped("blocked_aisle");
-    let start = "start = [3.0, 8.5, 0.0]";
-    assert!(text.contains(start), "{text}");
-    let text = text.replace(start, "start = [8.5, 6.425, 0.0]");
-    std::fs::write(folder.path().join("it.toml"), text).expect("written");
-    folder
-}
+use zeronav_tests::{
+    Ended, Zeronav, await_by_itself, children_of, is_alive, quiet_turn, real_time_turn,
+};
 
 /// The folder of the one run that was made.
 fn run_of(ended: &Ended) -> PathBuf {
@@ -41,7 +32,7 @@ fn number(value: &Value) -> f64 {
 
 #[test]
 fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let asserted = "global_planner.p50 < 60ms, global_planner.p50 > 99ms, replanning.n >= 2";
     let arguments = [
         "latency",
@@ -57,7 +48,7 @@ fn an_injected_delay_is_named_and_what_was_measured_is_a_baseline() {
         "--headless",
         "--json",
     ];
-    let measured = Zeronav::start_in(aisle(), &arguments).finish();
+    let measured = Zeronav::start_in(aisle_for_trials(), &arguments).finish();
     let report = measured.expect(1);
     let cell = &report["cells"][0];
     assert_eq!(cell["verdict"], "pass", "{cell:#}");
@@ -311,7 +302,7 @@ fn what_keeps_the_machine_busy_ends_with_zeronav_whatever_ends_it() {
 
 #[test]
 fn two_sides_take_turns_and_what_was_measured_is_shown_after_an_interrupt() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let arguments = [
         "compare",
         "./it.toml",
@@ -322,7 +313,7 @@ fn two_sides_take_turns_and_what_was_measured_is_shown_after_an_interrupt() {
         "--headless",
         "--json",
     ];
-    let mut run = Zeronav::start_in(aisle(), &arguments);
+    let mut run = Zeronav::start_in(aisle_for_trials(), &arguments);
     let mut domains = BTreeSet::new();
     run.wait_until("the second round begins", |run| {
         domains.extend(run.domains());
@@ -363,7 +354,7 @@ fn two_sides_take_turns_and_what_was_measured_is_shown_after_an_interrupt() {
 
 #[test]
 fn the_start_is_a_chain_from_the_command_to_the_first_motion() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a folder");
     let scenario = "title = \"A metre\"\nbase = [\"warehouse\", \"porter\"]\n\
                     start = [3.0, 8.5, 0.0]\n[run]\ntime_limit_s = 60.0\n\

@@ -4,7 +4,7 @@
 use rustix::process::Signal;
 use serde_json::Value;
 use zeronav_tests::up::Up;
-use zeronav_tests::{Zeronav, quiet_turn, send_signal};
+use zeronav_tests::{Zeronav, quiet_turn, real_time_turn, send_signal};
 
 /// The seats that can be swapped.
 const SEATS: [&str; 4] = [
@@ -162,7 +162,7 @@ fn a_newcomer_that_dies_or_hangs_in_the_seat_gives_it_back() {
 /// It is warm and silent while it is compared, so that only what it does in the seat tells.
 #[test]
 fn a_newcomer_that_lies_in_the_seat_gives_it_back() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let up = driving();
     for (seat, liar, why) in [
         ("local_planner", "nan_once_obeyed", "rejected"),
@@ -202,7 +202,7 @@ fn a_newcomer_that_lies_in_the_seat_gives_it_back() {
 
 #[test]
 fn a_newcomer_that_cannot_do_the_work_is_rejected_and_the_drive_goes_on() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let up = driving();
     let before = up.status();
     let set = ["--set", "planner=teleport"];
@@ -247,7 +247,7 @@ fn a_newcomer_that_cannot_do_the_work_is_rejected_and_the_drive_goes_on() {
 
 #[test]
 fn a_swap_survives_a_restart_of_the_process_in_the_seat_and_a_second_swap_waits() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let mut up = driving();
     let command = [
         "swap",
@@ -292,7 +292,7 @@ fn a_swap_survives_a_restart_of_the_process_in_the_seat_and_a_second_swap_waits(
 
 #[test]
 fn a_shadow_is_compared_until_it_is_ended() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let up = driving();
     let lines = up.lines(&["shadow", "global_planner", "--for", "2s"], 0);
     let compared = lines.last().expect("a line");
@@ -311,14 +311,14 @@ fn a_shadow_is_compared_until_it_is_ended() {
 
 /// A lockstep drive with these lines in its scenario; its result.
 fn lockstep(lines: &str) -> Value {
-    lockstep_to([7.0, 12.5], 6.425, lines)
+    lockstep_to(6.425, [[7.0, 6.425], [12.5, 6.425]], lines)
 }
 
-/// One from x = 4 m to these places along an aisle, beside which shelves stand at y = 8.5 m. [m]
-fn lockstep_to(goals_x_m: [f64; 2], y_m: f64, lines: &str) -> Value {
+/// One from x = 4 m and this y to these places. [m]
+fn lockstep_to(y_m: f64, goals_m: [[f64; 2]; 2], lines: &str) -> Value {
     let folder = tempfile::tempdir().expect("a folder");
-    let goal = |x_m| format!("[[goals]]\npose = [{x_m:.1}, {y_m:.3}, 0.0]\n");
-    let goals = goals_x_m.map(goal).concat();
+    let goal = |[x_m, y_m]: [f64; 2]| format!("[[goals]]\npose = [{x_m:.1}, {y_m:.3}, 0.0]\n");
+    let goals = goals_m.map(goal).concat();
     let text = format!(
         "title = \"a swap\"\nbase = [\"warehouse\", \"porter\"]\nstart = [4.0, {y_m:.3}, 0.0]\n\
          run.time_limit_s = 60.0\n{goals}{lines}"
@@ -372,12 +372,20 @@ fn a_lockstep_swap_waits_for_the_successor_of_the_process_in_the_seat() {
 /// What a newcomer sends is judged after each tick while the robot is held there.
 #[test]
 fn a_lockstep_run_with_a_rollback_is_bit_identical() {
-    for (seat, liar, y_m, why) in [
-        ("local_planner", "nan_once_obeyed", 6.425, "rejected"),
+    // Along an aisle, and around the corner of the racks between two of them.
+    for (seat, liar, y_m, goals_m, why) in [
+        (
+            "local_planner",
+            "nan_once_obeyed",
+            6.425,
+            [[9.5, 6.425], [10.0, 6.425]],
+            "rejected",
+        ),
         (
             "global_planner",
             "through_walls_once_obeyed",
             8.5,
+            [[9.5, 13.575], [10.0, 13.575]],
             "obstacle",
         ),
     ] {
@@ -385,7 +393,7 @@ fn a_lockstep_run_with_a_rollback_is_bit_identical() {
             "[[swaps]]\nservice = \"{seat}\"\nat_s = 2.0\nshadow_s = 0.1\nkeep_s = 3.0\n\
              binary = \"{liar}\"\n"
         );
-        let runs = [(); 3].map(|()| lockstep_to([23.5, 24.0], y_m, &lines));
+        let runs = [(); 2].map(|()| lockstep_to(y_m, goals_m, &lines));
         for run in &runs {
             let swap = &run["swaps"][0];
             assert_eq!(swap["state"], "rolled_back", "{swap}");
@@ -453,7 +461,7 @@ fn a_lockstep_swap_goes_on_when_the_process_in_the_seat_dies() {
 
 #[test]
 fn a_predecessor_that_hangs_is_ended_and_the_newcomer_stays() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let mut up = driving();
     let seat = "local_planner";
     let before = process(&up.status(), seat)[0]["pid"].clone();

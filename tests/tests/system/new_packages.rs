@@ -81,8 +81,8 @@ impl Package {
     /// Starts the kit on it.
     fn contract(self) -> Contract {
         let words: Vec<&str> = self.contract.iter().map(String::as_str).collect();
-        // A tenth of what the kit sends without being asked.
-        let flags = ["--hostile", "100000", "--json"];
+        // A fiftieth of what the kit sends without being asked.
+        let flags = ["--hostile", "20000", "--json"];
         let run = Zeronav::start_in(self.folder, &[&words[..], &flags].concat());
         Contract {
             run,

@@ -1,5 +1,5 @@
-//! Every planner of the table in the stack, by its key: it drives the porter past a load that
-//! drops into the aisle, or says that it cannot.
+//! Every planner of the table in the stack, by its key: it drives the porter through the other door when
+//! the first one falls shut before it, or says that it cannot.
 
 use serde_json::Value;
 use std::collections::VecDeque;
@@ -10,10 +10,10 @@ use zeronav_tests::Zeronav;
 /// Runs side by side: in lockstep the five processes of a run mostly wait for each other.
 const SIDE_BY_SIDE: usize = 3;
 
-/// `blocked_aisle` with this planner. Which way it takes first is its own affair, so the load need
+/// `door_closes` with this planner. Which way it takes first is its own affair, so the door need
 /// not be what makes it look for another.
 fn scenario(key: &str, smooth_m: f64) -> String {
-    let text = zeronav_tests::shipped("blocked_aisle");
+    let text = zeronav_tests::shipped("door_closes");
     let text = text.replace("obstacle_replans_min = 1", "");
     format!(
         "{text}\n[services.global_planner]\nconfig.planner = \"{key}\"\nconfig.smooth_m = {smooth_m:?}\n"
@@ -59,7 +59,7 @@ fn fault(row: &PlannerRow, code: i32, result: &Value) -> Option<String> {
 }
 
 #[test]
-fn every_planner_solves_the_blocked_aisle_or_reports_failure() {
+fn every_planner_gets_around_the_closed_door_or_reports_failure() {
     // Three of them once more with rounded paths.
     let rounded = ["mpgaa", "any_angle", "lazy_theta"];
     let runs = PLANNERS.iter().map(|row| (row, 0.0)).chain(

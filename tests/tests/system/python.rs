@@ -5,14 +5,15 @@ use rustix::process::Signal;
 use serde_json::Value;
 use std::process::Command;
 use zeronav_tests::python::{example, program, python};
+use zeronav_tests::rooms::box_in_an_aisle;
 use zeronav_tests::{
-    Stranger, Zeronav, await_by_itself, leftovers, quiet_turn, send_signal, workspace,
+    Stranger, Zeronav, await_by_itself, leftovers, real_time_turn, send_signal, workspace,
 };
 
-/// Drives `blocked_aisle` with an example in each of these seats.
+/// Drives past a box in an aisle with an example in each of these seats.
 fn start(seats: &[(&str, &str)], more: &str, flags: &[&str]) -> Zeronav {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut text = zeronav_tests::shipped("blocked_aisle");
+    let mut text = box_in_an_aisle();
     for (role, name) in seats {
         let binary = example(name, folder.path());
         let lines = format!("\n[services.{role}]\nbinary = \"{}\"\n", binary.display());
@@ -54,7 +55,7 @@ fn in_lockstep_python_seats_drive_the_same_way_twice() {
 
 #[test]
 fn in_real_time_two_python_seats_keep_up() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let result = start(&[PLANNER, CONTROLLER], "", &[]).finish().expect(0);
     assert_arrived(&result);
     for (role, name) in [PLANNER, CONTROLLER] {
@@ -70,7 +71,7 @@ fn in_real_time_two_python_seats_keep_up() {
     for (role, _) in [PLANNER, CONTROLLER] {
         let of_seat = hops.iter().filter(|hop| hop["name"] == role);
         let measured = of_seat.filter_map(|hop| hop["n"].as_u64()).max();
-        assert!(measured.is_some_and(|n| n > 100), "{role}: {hops:#?}");
+        assert!(measured.is_some_and(|n| n > 40), "{role}: {hops:#?}");
     }
 }
 

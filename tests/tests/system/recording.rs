@@ -58,9 +58,9 @@ fn n(value: &Value) -> u64 {
 
 #[test]
 fn a_lockstep_run_is_recorded_whole_and_others_read_it() {
-    let ended = zeronav(&["run", "blocked_aisle", "--lockstep", "--json", "--record"]);
+    let ended = zeronav(&["run", "door_closes", "--lockstep", "--json", "--record"]);
     let result = ended.expect(0);
-    let plain = zeronav(&["run", "blocked_aisle", "--lockstep", "--json"]).expect(0);
+    let plain = zeronav(&["run", "door_closes", "--lockstep", "--json"]).expect(0);
     assert_eq!(
         result["run_hash"], plain["run_hash"],
         "a recorder changes nothing"
@@ -221,7 +221,7 @@ fn diff(a: &Path, b: &Path, code: i32) -> Value {
 
 #[test]
 fn a_recorded_run_is_driven_again_and_what_was_changed_is_found_where_it_begins() {
-    let original = zeronav(&["run", "blocked_aisle", "--lockstep", "--json", "--record"]);
+    let original = zeronav(&["run", "door_closes", "--lockstep", "--json", "--record"]);
     let result = original.expect(0);
     let file = recording_of(original.folder.path());
     let path = file.display().to_string();
@@ -231,10 +231,10 @@ fn a_recorded_run_is_driven_again_and_what_was_changed_is_found_where_it_begins(
     assert_eq!(same["result"]["run_hash"], result["run_hash"]);
     let compared = same["comparison"]["topics"].as_array().expect("topics");
     let equal: u64 = compared.iter().map(|topic| n(&topic["equal"])).sum();
-    assert!(equal > 8000, "{compared:#?}");
+    assert!(equal > 2500, "{compared:#?}");
     // The scenario in the run's folder says the same without those that it builds on.
     let scenario = file
-        .with_file_name("blocked_aisle.toml")
+        .with_file_name("door_closes.toml")
         .display()
         .to_string();
     let plain = zeronav(&["run", &scenario, "--lockstep", "--json"]).expect(0);

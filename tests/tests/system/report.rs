@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use zeronav_tests::browser::Browser;
 use zeronav_tests::rooms::short_drive;
 use zeronav_tests::up::Up;
-use zeronav_tests::{Ended, Zeronav, quiet_turn, zeronav};
+use zeronav_tests::{Ended, Zeronav, real_time_turn, zeronav};
 
 /// Largest report. [bytes]
 const SIZE_MAX: usize = 3_000_000;
@@ -147,7 +147,7 @@ fn a_report_plays_without_network_and_without_errors() {
 /// In lockstep there are no latencies, so this drive takes its time.
 #[test]
 fn a_report_in_real_time_has_every_hop() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let folder = tempfile::tempdir().expect("a working folder");
     std::fs::write(folder.path().join("test.toml"), short_drive("")).expect("written");
     let ended = run_in(folder, &["run", "test.toml", "--headless", "--json"]);

@@ -2,7 +2,8 @@
 
 use rustix::process::Signal;
 use serde_json::Value;
-use zeronav_tests::{Zeronav, leftovers, send_signal};
+use zeronav_tests::rooms::box_in_an_aisle;
+use zeronav_tests::{Zeronav, leftovers, send_signal, shipped};
 
 /// The services that may die; the robot may not.
 const MORTALS: [&str; 4] = [
@@ -25,18 +26,12 @@ impl Dice {
     }
 }
 
-/// Drives `blocked_aisle` with these lines more and without its expectation of a cause: a planner
-/// that restarts behind the load has nothing to replan.
-fn drive(more: &str) -> Zeronav {
-    drive_edited(|text| format!("{text}\n{more}"))
-}
-
-/// Drives that scenario as `edit` leaves it.
-fn drive_edited(edit: impl Fn(String) -> String) -> Zeronav {
+/// Drives a scenario with these lines more and without its expectation of a cause: a planner that
+/// restarts behind what has come has nothing to replan.
+fn drive(text: &str, more: &str) -> Zeronav {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = zeronav_tests::shipped("blocked_aisle");
     let text = text.replace("obstacle_replans_min = 1", "");
-    std::fs::write(folder.path().join("it.toml"), edit(text)).expect("written");
+    std::fs::write(folder.path().join("it.toml"), format!("{text}\n{more}")).expect("written");
     let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
     let mut run = Zeronav::start_in(folder, &arguments);
     run.wait_until("the drive has begun", |run| run.report().is_some());
@@ -47,6 +42,8 @@ fn drive_edited(edit: impl Fn(String) -> String) -> Zeronav {
 /// when the run was over before.
 fn strike(run: &mut Zeronav, role: &str, signal: Signal, time_s: f64) -> bool {
     while !run.has_ended() {
+        // Whoever asks without a pause takes the processor from who drives.
+        std::thread::sleep(std::time::Duration::from_millis(5));
         let Some(report) = run.report() else { continue };
         if report["time_s"]
             .as_f64()
@@ -81,7 +78,7 @@ fn restarts(result: &Value) -> Vec<String> {
 fn every_service_may_be_killed_in_the_middle_of_a_drive() {
     for role in MORTALS {
         // Whoever is slow because the machine is busy shall not be taken for hung here.
-        let mut run = drive("[restart]\nhang_after_s = 10.0\n");
+        let mut run = drive(&box_in_an_aisle(), "[restart]\nhang_after_s = 10.0\n");
         assert!(
             strike(&mut run, role, Signal::KILL, 3.0),
             "{role} was not there"
@@ -98,7 +95,7 @@ fn every_service_may_be_killed_in_the_middle_of_a_drive() {
 #[test]
 fn every_service_may_hang_in_the_middle_of_a_drive() {
     for role in MORTALS {
-        let mut run = drive("[restart]\nhang_after_s = 2.0\n");
+        let mut run = drive(&box_in_an_aisle(), "[restart]\nhang_after_s = 2.0\n");
         assert!(
             strike(&mut run, role, Signal::STOP, 3.0),
             "{role} was not there"
@@ -120,6 +117,7 @@ fn without_mapping_the_guard_brakes_for_the_scan() {
     // Mapping stays away for three seconds, in which the load drops. An old map alone would stop
     // the robot before; here it may be as old as it likes.
     let mut run = drive(
+        &shipped("blocked_aisle"),
         "[restart]\nabsent_ticks = 150\n\
          [services.local_planner]\nconfig.staleness.map_age_s = 10.0\n",
     );
@@ -145,7 +143,7 @@ fn without_mapping_the_guard_brakes_for_the_scan() {
 #[test]
 fn what_moves_is_known_while_there_is_no_mapping() {
     let folder = tempfile::tempdir().expect("a folder");
-    let text = zeronav_tests::shipped("moving_discs");
+    let text = shipped("moving_discs");
     let more = "[restart]\nabsent_ticks = 45\n\
                 [[faults]]\nkind = \"kill\"\nservice = \"mapping\"\nbegins = { at_s = 4.6 }\n";
     std::fs::write(folder.path().join("it.toml"), format!("{text}\n{more}")).expect("written");
@@ -179,11 +177,10 @@ fn what_moves_is_known_while_there_is_no_mapping() {
 /// The seat that is empty owes no answer, so that the time limit ends the run and not its silence.
 #[test]
 fn the_time_limit_ends_a_run_in_which_a_seat_is_empty() {
-    let mut run = drive_edited(|text| {
-        let shorter = text.replace("time_limit_s = 150.0", "time_limit_s = 6.0");
-        assert_ne!(shorter, text, "the scenario has another time limit");
-        format!("{shorter}\n[restart]\nabsent_ticks = 1000\n")
-    });
+    let text = box_in_an_aisle();
+    let shorter = text.replace("time_limit_s = 60.0", "time_limit_s = 6.0");
+    assert_ne!(shorter, text, "the scenario has another time limit");
+    let mut run = drive(&shorter, "[restart]\nabsent_ticks = 1000\n");
     assert!(
         strike(&mut run, "mapping", Signal::KILL, 3.0),
         "mapping was not there"
@@ -195,13 +192,13 @@ fn the_time_limit_ends_a_run_in_which_a_seat_is_empty() {
 }
 
 #[test]
-fn a_hundred_kills_and_every_goal_is_reached() {
+fn forty_kills_and_every_goal_is_reached() {
     let seed = 20_260_101;
     eprintln!("seed {seed}");
     let mut dice = Dice(seed);
     let (mut kills, mut drives) = (0, 0);
-    while kills < 100 {
-        let mut run = drive("");
+    while kills < 40 {
+        let mut run = drive(&shipped("door_closes"), "");
         let root = run
             .report()
             .and_then(|report| report["domain"].as_str().map(str::to_owned));

@@ -86,16 +86,16 @@ fn filled(table: &Table, columns: usize) {
 
 #[test]
 fn figures_are_extracted_from_real_results() {
-    let run = || zeronav(&["run", "blocked_aisle", "--lockstep", "--headless", "--json"]).expect(0);
+    let run = || zeronav(&["run", "door_closes", "--lockstep", "--headless", "--json"]).expect(0);
     let results = [run(), run()];
-    let lockstep = extract::lockstep("blocked_aisle", &results);
+    let lockstep = extract::lockstep("door_closes", &results);
     filled(&lockstep, 3);
     let hashes = &lockstep.rows[0].figures[2];
     assert_eq!(hashes.value, Some(1.0), "one hash");
     let memory = extract::memory(&results);
     filled(&memory, 1);
     assert_eq!(memory.rows.len(), 6, "shared memory and five services");
-    filled(&extract::drives(&[("blocked_aisle", results.to_vec())]), 5);
+    filled(&extract::drives(&[("door_closes", results.to_vec())]), 5);
     let suite = [
         "suite",
         "generated",

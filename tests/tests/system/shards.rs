@@ -13,7 +13,7 @@ use zeronav_tests::{Zeronav, await_by_itself, background, binaries, children_of,
 const RESULTS: [&str; 3] = ["suite.json", "runs.csv", "junit.xml"];
 
 /// Runs of the whole suite.
-const RUNS: usize = 12;
+const RUNS: usize = 9;
 
 /// Shards that it is driven in.
 const SHARDS: usize = 3;
@@ -83,7 +83,7 @@ fn read(folder: &Path, name: &str) -> String {
 /// Drives shard `index` into a folder of its own: the working folder, and the shard's in it.
 fn shard(folder: TempDir, index: usize, more: &[&str]) -> (TempDir, String) {
     let (part, out) = (format!("{index}/{SHARDS}"), format!("shards/{index}"));
-    let arguments = ["scenarios", "--seeds", "4", "--shard", &part, "--out", &out];
+    let arguments = ["scenarios", "--seeds", "3", "--shard", &part, "--out", &out];
     let said = suite(folder, &[&arguments[..], more].concat());
     let directory = said.directory();
     assert_eq!(said.report["shard"], part.as_str());
@@ -94,7 +94,7 @@ fn shard(folder: TempDir, index: usize, more: &[&str]) -> (TempDir, String) {
 fn shards_that_are_merged_equal_the_whole_byte_for_byte() {
     let whole = suite(
         working_folder(),
-        &["scenarios", "--seeds", "4", "--out", "whole"],
+        &["scenarios", "--seeds", "3", "--out", "whole"],
     );
     let expected = whole.directory();
     let mut folder = whole.folder;
@@ -112,7 +112,7 @@ fn shards_that_are_merged_equal_the_whole_byte_for_byte() {
     );
     let directory = merged.directory();
     assert_eq!(merged.report["summary"]["runs"], RUNS);
-    assert_eq!(merged.report["summary"]["timeouts"], 4);
+    assert_eq!(merged.report["summary"]["timeouts"], 3);
     assert_eq!(
         merged.report["shards"].as_array().map(Vec::len),
         Some(SHARDS)
@@ -157,7 +157,7 @@ fn what_is_missing_is_named_with_its_shard() {
     let last = [
         "scenarios",
         "--seeds",
-        "4",
+        "3",
         "--shard",
         "3/3",
         "--out",
@@ -181,7 +181,7 @@ fn what_is_missing_is_named_with_its_shard() {
     let all = ["merge", &first, &second, &name];
     let said = suite(part.folder, &all);
     assert_eq!(said.code, 2);
-    for part in ["of 12 runs are missing", "(shard 3/3)", "--resume"] {
+    for part in ["of 9 runs are missing", "(shard 3/3)", "--resume"] {
         assert!(said.stderr.contains(part), "{part}: {}", said.stderr);
     }
     assert!(!said.stderr.contains("(shard 1/3)"), "{}", said.stderr);
@@ -196,7 +196,7 @@ fn what_is_missing_is_named_with_its_shard() {
     let other = [
         "scenarios",
         "--seeds",
-        "3",
+        "2",
         "--shard",
         "2/3",
         "--out",
@@ -297,7 +297,7 @@ fn a_suite_that_is_killed_leaves_no_runs_and_goes_on() {
         "suite",
         "scenarios",
         "--seeds",
-        "4",
+        "3",
         "--out",
         "killed",
         "--jobs",
@@ -335,7 +335,7 @@ fn a_suite_that_is_killed_leaves_no_runs_and_goes_on() {
         "{}",
         resumed.stderr
     );
-    assert_eq!(resumed.report["summary"]["timeouts"], 4);
+    assert_eq!(resumed.report["summary"]["timeouts"], 3);
     for run in resumed.report["runs"].as_array().expect("runs") {
         assert_ne!(run["outcome"], Value::Null, "{run:#}");
     }

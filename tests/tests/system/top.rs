@@ -10,9 +10,7 @@ use zeronav_msgs::topics::{
     DebugRollouts, MapKeyframe, RobotOdometry, SPANS, TaskPose, Topic, topics,
 };
 use zeronav_tests::up::Up;
-use zeronav_tests::{
-    Zeronav, children_of, leftovers, quiet_turn, real_time_turn, send_signal, zeronav,
-};
+use zeronav_tests::{Zeronav, children_of, leftovers, real_time_turn, send_signal, zeronav};
 
 /// Far away along the aisle, so that the robot drives while it is looked at.
 const GOAL: [&str; 6] = ["goal", "12.5", "6.425", "0", "--yaw-tolerance", "3.15"];
@@ -46,7 +44,7 @@ fn readers(up: &Up) -> Vec<(String, u64)> {
 
 #[test]
 fn a_sample_shows_services_topics_latencies_and_what_happened() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let mut up = Up::start(&["open_aisle"]);
     let before = readers(&up);
     up.ask(&GOAL, 0);

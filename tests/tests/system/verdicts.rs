@@ -3,7 +3,7 @@
 use serde_json::Value;
 use std::path::PathBuf;
 use zeronav_msgs::topics::{PlanPath, Topic};
-use zeronav_tests::{Ended, Zeronav, quiet_turn, rooms, zeronav};
+use zeronav_tests::{Ended, Zeronav, real_time_turn, rooms, zeronav};
 
 /// A room for a robot that is given six seconds.
 fn room() -> String {
@@ -64,7 +64,7 @@ fn a_contact_fails_the_run_unless_the_scenario_allows_it() {
 
 #[test]
 fn a_contact_fails_trials() {
-    let _turn = quiet_turn();
+    let _turn = real_time_turn();
     let trials = r#"
 [[world.obstacles]]
 name = "load"

@@ -48,7 +48,7 @@ fn recovers(file: &Path, ticks: u64) {
 
 #[test]
 fn a_recorder_that_is_killed_at_any_moment_leaves_what_it_has_flushed() {
-    for kill in 0..10 {
+    for kill in 0..5 {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("it.mcap");
         let mut stack = Up::start_in(folder, &["open_aisle", "--lockstep", "--record=it.mcap"]);
@@ -60,7 +60,7 @@ fn a_recorder_that_is_killed_at_any_moment_leaves_what_it_has_flushed() {
             flushed >= 40
         });
         // In the middle of what comes next.
-        stack.ask(&["step", &(1 + 7 * kill).to_string()], 0);
+        stack.ask(&["step", &(1 + 14 * kill).to_string()], 0);
         let pid = recorder(&stack.stack).map(|it| n(&it["pid"]));
         let pid = pid.and_then(|pid| u32::try_from(pid).ok());
         assert!(send_signal(pid.expect("a recorder"), Signal::KILL));
@@ -75,7 +75,7 @@ fn a_recorder_that_is_killed_at_any_moment_leaves_what_it_has_flushed() {
 
 #[test]
 fn a_recorder_outlives_launch_and_ends_its_file_whenever_that_is_killed() {
-    for kill in 0..10 {
+    for kill in 0..5 {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("it.mcap");
         let arguments = [
@@ -88,7 +88,7 @@ fn a_recorder_outlives_launch_and_ends_its_file_whenever_that_is_killed() {
         let mut run = Zeronav::start_in(folder, &arguments);
         let mut tick = 0;
         // Of more than 2000.
-        let wanted = 1 + 100 * kill;
+        let wanted = 1 + 90 * kill;
         let recorded = |run: &Zeronav| {
             let root = run.domains().pop()?;
             let bytes = std::fs::read(root.join("recorded")).ok()?;

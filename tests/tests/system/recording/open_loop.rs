@@ -23,7 +23,7 @@ fn equal_on(compared: &Value, topic: &str) -> u64 {
 
 #[test]
 fn a_recording_that_is_played_to_its_own_seats_gives_the_same_messages() {
-    let original = zeronav(&["run", "blocked_aisle", "--lockstep", "--json", "--record"]);
+    let original = zeronav(&["run", "door_closes", "--lockstep", "--json", "--record"]);
     assert_eq!(original.code(), 0, "{}", original.stderr);
     let file = recording_of(original.folder.path());
     for open in [
@@ -38,7 +38,7 @@ fn a_recording_that_is_played_to_its_own_seats_gives_the_same_messages() {
         assert_eq!(compared["equal"], true, "{open}: {compared:#}");
         let topics = compared["topics"].as_array().expect("topics");
         let equal: u64 = topics.iter().map(|topic| n(&topic["equal"])).sum();
-        assert!(equal > 300, "{open}: {compared:#}");
+        assert!(equal > 100, "{open}: {compared:#}");
     }
     // Another parameter shows in its seat, and what is played stays as it was.
     let set = ["--set", "local_planner.controller=dwa"];
@@ -147,7 +147,7 @@ fn a_recording_in_real_time_is_played_too() {
         "local_planner",
         "mapping,global_planner,local_planner",
     ] {
-        let plays: Vec<_> = (0..5)
+        let plays: Vec<_> = (0..3)
             .map(|_| zeronav(&["replay", &path, "--open", open]))
             .collect();
         let files = plays.iter().map(|ended| {

@@ -3,20 +3,14 @@
 use super::{info, n, refused};
 use std::path::Path;
 use zeronav_msgs::topics::{RobotCommand, Topic};
-use zeronav_tests::{quiet_turn, zeronav};
+use zeronav_tests::rooms::aisle_for_trials;
+use zeronav_tests::{Zeronav, real_time_turn, zeronav};
 
 #[test]
 fn each_round_of_trials_has_a_recording_of_its_own() {
-    let _turn = quiet_turn();
-    let arguments = [
-        "run",
-        "blocked_aisle",
-        "--trials",
-        "3",
-        "--json",
-        "--record",
-    ];
-    let ended = zeronav(&arguments);
+    let _turn = real_time_turn();
+    let arguments = ["run", "./it.toml", "--trials", "3", "--json", "--record"];
+    let ended = Zeronav::start_in(aisle_for_trials(), &arguments).finish();
     let result = ended.expect(0);
     let folder = result["directory"]
         .as_str()

@@ -146,12 +146,12 @@ fn ray_drives_a_shard_again_whose_worker_was_killed() {
 
 #[test]
 fn a_job_array_of_slurm_is_driven_task_by_task() {
-    let whole = whole(&["--seeds", "4"]);
+    let whole = whole(&["--seeds", "1"]);
     let out = whole.folder.path().join("slurm");
     let task = |index: u32| {
         background("bash")
             .arg(example("slurm.sh"))
-            .args(["scenarios", "--seeds", "4"])
+            .args(["scenarios", "--seeds", "1"])
             .current_dir(whole.folder.path())
             .env("PATH", path())
             .env("ZERONAV_OUT", &out)
