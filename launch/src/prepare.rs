@@ -102,6 +102,20 @@ impl Prepared {
         host.filter(|_| !self.remote.is_empty()).map(str::to_owned)
     }
 
+    /// Accepts a seat whose process is on this computer.
+    ///
+    /// # Errors
+    /// One line for one on the other host, where a program stands in for it here.
+    pub(crate) fn check_here(&self, role: Role) -> Result<(), String> {
+        if !self.remote.contains(&role) {
+            return Ok(());
+        }
+        let host = self.host_of(role).unwrap_or_default();
+        Err(format!(
+            "the process of {role} is on {host}: only what runs on this host can be swapped, killed, stopped or slowed here"
+        ))
+    }
+
     /// Time from scan to scan. [ns]
     #[must_use]
     #[allow(

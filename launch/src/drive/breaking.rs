@@ -174,6 +174,7 @@ impl Session<'_> {
     fn begin_fault(&mut self, stack: &mut Stack, fault: &StackFault) -> Result<(), String> {
         let process = match fault.role() {
             Some(role) => {
+                self.prepared.check_here(role)?;
                 let mut children = stack.children.iter_mut().filter(|it| it.role == role);
                 let epoch = children.find_map(|it| it.ended().is_none().then_some(it.epoch));
                 Some((role, epoch.ok_or_else(|| no_process(role))?))

@@ -104,6 +104,7 @@ impl Session<'_> {
         if role == Role::Robot {
             return Err("the robot keeps the time and is not swapped".to_owned());
         }
+        self.prepared.check_here(role)?;
         order.check()?;
         let timed = order.require.iter().find(|clause| clause.is_timed());
         if let Some(clause) = timed.filter(|_| self.prepared.mode == RunMode::Lockstep) {

@@ -193,8 +193,13 @@ impl<'a> Filled<'a> {
 
     fn remember(&mut self, seat: SeatStart, code: u8) {
         self.ended.insert(seat, code);
+        // Of each seat the newest ends are asked for, if any.
         while self.ended.len() > ENDED_MAX {
-            self.ended.pop_first();
+            let of_role = |(it, _): (&SeatStart, &u8)| (it.role == seat.role).then_some(*it);
+            let Some(oldest) = self.ended.iter().find_map(of_role) else {
+                break;
+            };
+            self.ended.remove(&oldest);
         }
     }
 

@@ -213,7 +213,7 @@ impl Looked {
 
     /// Distance between neighbouring beams at the range of this one. [m]
     fn apart_m(&self, beam: usize) -> f64 {
-        f64::from(self.ranges[beam]) * self.step_rad
+        f64::from(self.ranges.get(beam).copied().unwrap_or(f32::NAN)) * self.step_rad
     }
 
     /// True when fewer than half of the beams close beside this one ended near it.
@@ -233,7 +233,10 @@ impl Looked {
     fn is_near(&self, beam: usize, offset: i32) -> Option<bool> {
         let other = self.index(i32::try_from(beam).ok()?.checked_add(offset)?)?;
         let within_m = SAME_M + BESIDE_BEAMS * self.apart_m(beam);
-        let answered = !self.ranges[other].is_nan();
+        let answered = self
+            .ranges
+            .get(other)
+            .is_some_and(|range_m| !range_m.is_nan());
         // Not a number = it hit nothing.
         answered.then(|| (self.ends[other] - self.ends[beam]).norm_squared() <= within_m * within_m)
     }

@@ -36,7 +36,7 @@ pub struct Account {
     topics: BTreeMap<&'static str, Carried>,
     #[serde(skip)]
     since_ns: u64,
-    /// Nobody can be told twice that the file cannot be written.
+    /// That the file cannot be written has been logged.
     #[serde(skip)]
     is_unwritten: bool,
 }

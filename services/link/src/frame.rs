@@ -28,8 +28,8 @@ pub struct Origin {
 const BEAT_BYTES_MAX: usize = 16 * 1024;
 
 /// How things stand on a host. Sent several times a second, and whenever something has changed.
+/// A field that another version has more is ignored: what it was built from is judged by `contract`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Beat {
     /// Hash of all topics' schemas: both hosts must be built from the same contract.
     pub contract: u64,

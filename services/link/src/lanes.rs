@@ -83,7 +83,7 @@ impl Lanes {
     /// written before `now_ns` is read then, in the order of its stamps. What was written later waits for the next call, since
     /// what it was made from may lie in a topic that was read before.
     pub fn take(&mut self, now_ns: impl FnOnce() -> u64) -> Vec<(u8, Parts)> {
-        let (mut records, mut messages) = (Vec::new(), core::mem::take(&mut self.held));
+        let (mut records, mut messages) = (Vec::new(), Vec::new());
         let of_records = |lane: &&mut Lane| lane.row().discipline == Discipline::Records;
         for lane in self.all.iter_mut().filter(of_records) {
             let number = number_of(lane.row());
@@ -95,12 +95,13 @@ impl Lanes {
             let written = lane.take().into_iter();
             messages.extend(written.map(|(ns, parts)| (ns, number, parts)));
         }
-        // Stable: an author's messages of one topic stay in order.
-        messages.sort_by_key(|(written_ns, ..)| *written_ns);
-        let late = messages.partition_point(|(written_ns, ..)| *written_ns <= until_ns);
-        self.held = messages.split_off(late);
-        let messages = messages.into_iter();
-        messages
+        let (mut due, late): (Vec<_>, Vec<_>) =
+            (messages.into_iter()).partition(|(written_ns, ..)| *written_ns <= until_ns);
+        // What waited for one call is due, whatever its stamp says.
+        due.extend(core::mem::replace(&mut self.held, late));
+        // Stable: an author's messages of one topic stay in order, those that waited first.
+        due.sort_by_key(|(written_ns, ..)| *written_ns);
+        due.into_iter()
             .map(|(_, number, parts)| (number, parts))
             .chain(records)
             .collect()

@@ -72,7 +72,7 @@ pub enum Heard {
     Taken,
     /// It counts, and comes from another start of the host than those before: the processes of that one have ended.
     Restarted,
-    /// It is of a link that another one has taken the place of.
+    /// It is from a link that has been replaced.
     Late,
     /// It does not count, and why.
     Refused(String),
@@ -126,7 +126,10 @@ impl Other {
             return Heard::Late;
         }
         if !is_known {
-            *self = Self::default();
+            *self = Self {
+                lost: self.lost,
+                ..Self::default()
+            };
         }
         self.count(origin);
         if beat.echo_sent_ns != 0 && beat.hears == own.instance {

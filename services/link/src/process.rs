@@ -40,8 +40,9 @@ const COMPLAINTS_MAX: usize = 64;
 /// Exit code of processes on a host that was started again.
 const LOST: u8 = 1;
 
-/// For how long messages that find no memory are tried again: in lockstep nothing may be lost.
-const HELD_LIMIT: Duration = Duration::from_secs(10);
+/// For how long messages that find no memory are tried again: in lockstep nothing may be lost, but the other end counts
+/// this one as gone after 4 s in which it takes nothing in.
+const HELD_LIMIT: Duration = Duration::from_secs(3);
 const HELD_PAUSE: Duration = Duration::from_micros(200);
 
 /// See the module's description.
@@ -198,7 +199,7 @@ impl Link {
         let (origin, frame) = match decode(bytes) {
             Ok(read) => read,
             Err(error) => {
-                tracing::warn!(%error, "rejected");
+                self.complain(format!("rejected: {error}"));
                 return Ok(());
             }
         };
@@ -247,8 +248,6 @@ impl Link {
             return Ok(());
         };
         let row = lane.row();
-        let bytes = envelope.len() + items.len();
-        self.account.received(row.name, bytes, offset);
         let accepted = lane.accept(envelope, items, offset.ahead_ns, &self.authors);
         let (author, parts) = match accepted {
             Ok(accepted) => accepted,
@@ -257,6 +256,8 @@ impl Link {
                 return Ok(());
             }
         };
+        let bytes = envelope.len() + items.len();
+        self.account.received(row.name, bytes, offset);
         let parts = if is_heartbeat(row) {
             self.hearts.heard(author, sitters, parts, now_ns())
         } else {

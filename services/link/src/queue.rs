@@ -47,6 +47,9 @@ impl FrameQueue {
         while inner.bytes >= ROOM_BYTES && !inner.closed {
             inner = (self.changed.wait(inner)).unwrap_or_else(PoisonError::into_inner);
         }
+        if inner.closed {
+            return;
+        }
         inner.bytes += frame.len();
         inner.frames.push_back(frame);
         self.changed.notify_all();

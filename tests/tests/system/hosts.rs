@@ -189,6 +189,7 @@ fn what_ends_on_the_other_host_is_started_again_there() {
     safe_and_there(&result);
     let restarts = result["restarts"].as_array().expect("restarts");
     let mut restarted: Vec<&Value> = restarts.iter().map(|it| &it["service"]).collect();
+    assert!(!restarted.is_empty(), "{result:#}");
     assert_eq!(restarted.remove(0), "global_planner", "{result:#}");
     restarted.sort_by_key(ToString::to_string);
     let all = ["global_planner", "local_planner", "mapping"];

@@ -5,7 +5,7 @@ use core::fmt;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What the link of the robot's host says of a run.
+/// What the link of the robot's host says of a run: since its last start, if it was started again.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct LinkResult {
@@ -15,11 +15,11 @@ pub struct LinkResult {
     pub ahead_us: Option<f64>,
     /// The true value lies within this of it, at the end. [us]
     pub uncertainty_us: Option<f64>,
-    /// The same when it was known worst since the stack drives. [us]
+    /// The same when it was known worst while messages came. [us]
     pub uncertainty_us_max: Option<f64>,
     /// How many times the other host fell silent.
     pub cuts: u64,
-    /// Messages of the other host that were lost.
+    /// Frames of the other host that were lost: messages, rings and beats.
     pub lost: u64,
     /// Time over which all of this was counted. [s]
     pub time_s: f64,
@@ -50,7 +50,7 @@ impl fmt::Display for LinkResult {
         let rate = |bytes: u64| bytes as f64 / self.time_s.max(1.0e-3) / 1.0e3;
         write!(
             f,
-            "to {}: {:.0} kB/s sent, {:.0} kB/s received, {} messages lost, {} cuts",
+            "to {}: {:.0} kB/s sent, {:.0} kB/s received, {} frames lost, {} cuts",
             self.other,
             rate(bytes(|carried| carried.sent_bytes)),
             rate(bytes(|carried| carried.received_bytes)),

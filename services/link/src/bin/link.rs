@@ -6,8 +6,8 @@ use std::process::{Command, ExitCode};
 use zeronav_link::process::Link;
 use zeronav_shell::Companion;
 
-/// Where Zenoh looks for how many threads it has, and what it finds there: one that reads and writes. Two of them change
-/// one TLS connection at the same time, which then stands still (eclipse-zenoh/zenoh#2557).
+/// Sets Zenoh's runtime to one thread that reads and writes. Two of them change one TLS connection at the same time, which
+/// then stands still (eclipse-zenoh/zenoh#2557).
 const RUNTIME: &str = "ZENOH_RUNTIME";
 const ONE_THREAD: &str = "(rx: (worker_threads: 1), tx: (handover: rx))";
 
