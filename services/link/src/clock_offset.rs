@@ -68,7 +68,9 @@ impl ClockFilter {
         ) else {
             return;
         };
-        let Some(way_ns) = there_and_back.checked_sub(stay) else {
+        // What the clocks drifted apart meanwhile looks like a longer or a shorter way.
+        let longest = there_and_back.saturating_add(drifted_ns(there_and_back));
+        let Some(way_ns) = longest.checked_sub(stay) else {
             return;
         };
         let apart = |there: u64, here: u64| i128::from(there) - i128::from(here);
@@ -78,12 +80,11 @@ impl ClockFilter {
         };
         let new = Sample {
             ahead_ns,
-            // What the clocks drifted apart meanwhile looks like a longer or a shorter way.
-            way_ns: way_ns.saturating_add(drifted_ns(there_and_back)),
+            way_ns,
             came_ns,
         };
         let apart_ns = |sample: &Sample| sample.ahead_ns.abs_diff(ahead_ns);
-        let within_ns = |sample: &Sample| sample.uncertainty_ns(came_ns) + new.way_ns / 2;
+        let within_ns = |sample: &Sample| sample.uncertainty_ns(came_ns) + way_ns / 2;
         // A clock of a computer that was suspended has jumped: nothing from before holds.
         if (self.samples.iter()).any(|sample| apart_ns(sample) > within_ns(sample)) {
             self.samples.clear();
