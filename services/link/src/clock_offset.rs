@@ -68,11 +68,14 @@ impl ClockFilter {
         ) else {
             return;
         };
-        // What the clocks drifted apart meanwhile looks like a longer or a shorter way.
-        let longest = there_and_back.saturating_add(drifted_ns(there_and_back));
+        // What the clocks drifted apart meanwhile looks like a longer or a shorter way, and the estimate is that of the
+        // middle of the stay.
+        let drifted = drifted_ns(there_and_back);
+        let longest = there_and_back.saturating_add(drifted);
         let Some(way_ns) = longest.checked_sub(stay) else {
             return;
         };
+        let way_ns = way_ns.saturating_add(drifted);
         let apart = |there: u64, here: u64| i128::from(there) - i128::from(here);
         let sum = apart(came_there_ns, sent_ns) + apart(sent_there_ns, came_ns);
         let Ok(ahead_ns) = i64::try_from(sum / 2) else {
