@@ -112,7 +112,7 @@ impl Prepared {
         }
         let host = self.host_of(role).unwrap_or_default();
         Err(format!(
-            "the process of {role} is on {host}: only what runs on this host can be swapped, killed, stopped or slowed here"
+            "the process of {role} is on {host}: only what runs on this host can be swapped, killed or stopped here"
         ))
     }
 

@@ -92,6 +92,13 @@ pub(super) fn keys_of(
     })
 }
 
+/// True for a fault that hits the process in a seat: where that is on the other host, it would hit the program that stands
+/// in for it. The others are told to the seat.
+#[must_use]
+pub fn hits_process(kind: &str) -> bool {
+    ["kill", "stop"].contains(&kind)
+}
+
 /// What a scenario with hosts cannot ask for, by field: launch has the processes of its own host alone.
 pub(super) fn check_services(
     hosts: &BTreeMap<String, HostSpec>,
@@ -103,11 +110,10 @@ pub(super) fn check_services(
         return Vec::new();
     };
     let is_remote = |seat: &str| host_of(hosts, seat).is_some_and(|other| other != host);
-    let ends = |kind: &str| ["kill", "stop"].contains(&kind);
-    let why = |seat: &str| format!("{seat} is not on {host}: what is killed or stopped is");
+    let why = |seat: &str| format!("{seat} is not on {host}, where alone kill and stop work");
     let mut wrong = Vec::new();
     for (index, fault) in faults.iter().enumerate() {
-        if ends(fault.kind()) && is_remote(fault.target()) {
+        if hits_process(fault.kind()) && is_remote(fault.target()) {
             let field = format!("faults[{index}].service");
             wrong.push(SpecError::new(field, why(fault.target())));
         }
@@ -123,7 +129,7 @@ pub(super) fn check_services(
             services => services.iter().map(String::as_str).collect(),
         };
         let remote = services.into_iter().find(|seat| is_remote(seat));
-        let remote = remote.filter(|_| kinds.into_iter().any(ends));
+        let remote = remote.filter(|_| kinds.into_iter().any(hits_process));
         wrong.extend(remote.map(|seat| SpecError::new("random_faults.services", why(seat))));
     }
     for role in shadows {

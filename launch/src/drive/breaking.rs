@@ -11,6 +11,7 @@ use zeronav_msgs::run::{RunMode, TOPIC_FAULTS_MAX, TopicFault};
 use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_scenario::StackFault;
 use zeronav_scenario::fault_plan::{Awaited, Event};
+use zeronav_scenario::hosts::hits_process;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::memory::SHM;
 use zeronav_supervise::stack::Stack;
@@ -174,7 +175,9 @@ impl Session<'_> {
     fn begin_fault(&mut self, stack: &mut Stack, fault: &StackFault) -> Result<(), String> {
         let process = match fault.role() {
             Some(role) => {
-                self.prepared.check_here(role)?;
+                if hits_process(fault.kind()) {
+                    self.prepared.check_here(role)?;
+                }
                 let mut children = stack.children.iter_mut().filter(|it| it.role == role);
                 let epoch = children.find_map(|it| it.ended().is_none().then_some(it.epoch));
                 Some((role, epoch.ok_or_else(|| no_process(role))?))

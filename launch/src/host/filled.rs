@@ -26,7 +26,7 @@ const STOP_LIMIT: Duration = Duration::from_secs(2);
 /// For how long nobody may want a process before it is ended: a link that is started again knows of nobody at first.
 const UNWANTED_LIMIT: Duration = Duration::from_secs(1);
 
-/// Starts of seats whose end is remembered: in the order of roles and epochs, the first are forgotten.
+/// Starts of seats whose end is remembered; of the seat that ends next the oldest are forgotten.
 const ENDED_MAX: usize = 64;
 
 /// Exit code of a process that could not be started.
@@ -193,7 +193,6 @@ impl<'a> Filled<'a> {
 
     fn remember(&mut self, seat: SeatStart, code: u8) {
         self.ended.insert(seat, code);
-        // Of each seat the newest ends are asked for, if any.
         while self.ended.len() > ENDED_MAX {
             let of_role = |(it, _): (&SeatStart, &u8)| (it.role == seat.role).then_some(*it);
             let Some(oldest) = self.ended.iter().find_map(of_role) else {

@@ -1,5 +1,5 @@
 //! What the link has carried and how well it knows the other clock, in a file for launch
-//! ([`LINK_REPORT`](zeronav_shell::remote_seats::LINK_REPORT)); its fields are those of the run's result.
+//! ([`LINK_REPORT`]); its fields are those of the run's result.
 
 use crate::clock_offset::Offset;
 use rustix::fs::OFlags;

@@ -60,7 +60,7 @@ impl Manoeuvre {
         let footprint = &view.near.footprint;
         let free_m = free_m(footprint);
         let reach_m = REACH_M.min(place.remaining_m);
-        let first_m = FIRST_M + FARTHER_M * f64::from(self.times);
+        let first_m = self.first_m().min(reach_m);
         let mut along_m = FIRST_M;
         let mut farthest = None;
         while along_m <= reach_m && self.search.targets.all.len() + 1 < TARGETS_MAX {
@@ -70,7 +70,7 @@ impl Manoeuvre {
             }
             farthest = Some(pose);
             let ahead = AHEAD_M.map(|ahead_m| view.on_path(place.arc_m + along_m + ahead_m));
-            let is_free = along_m >= first_m.min(reach_m)
+            let is_free = along_m >= first_m
                 && core::iter::once(pose).chain(ahead).all(|pose| {
                     let space = &self.search.space;
                     space.clearance_m(footprint, &pose, free_m, free_m) >= free_m
@@ -95,6 +95,11 @@ impl Manoeuvre {
         }));
     }
 
+    /// How far along the path a manoeuvre has to lead: farther after those that have not got on. [m]
+    fn first_m(&self) -> f64 {
+        FIRST_M + FARTHER_M * f64::from(self.times)
+    }
+
     /// True when a path has come since the search on which the controller gets on from here: what the search was to
     /// lead to is no longer wanted, and turning round for it would take the way on away again.
     pub(super) fn stands_on_another_path(&mut self, view: &View<'_>) -> bool {
@@ -115,8 +120,7 @@ impl Manoeuvre {
         self.fill(view);
         let free_m = free_m(footprint);
         // After manoeuvres that have not got on, as far as the next one would have to lead.
-        let first_m = FIRST_M + FARTHER_M * f64::from(self.times);
-        let first_m = first_m.min(REACH_M).min(place.remaining_m);
+        let first_m = self.first_m().min(REACH_M).min(place.remaining_m);
         let farther = core::iter::successors(Some(AHEAD_M[1] + EVERY_M), |m| Some(m + EVERY_M));
         let farther = farther.take_while(|along_m| *along_m <= first_m);
         let ahead = AHEAD_M.into_iter().chain(farther);

@@ -160,18 +160,32 @@ class Client(Node):
         self.say(kind="result", name=name, status=it.status, code=code, why=why, missed=missed)
 
 
+def spin(executor):
+    try:
+        executor.spin()
+    except ExternalShutdownException:
+        pass
+
+
 def main():
     rclpy.init()
     client = Client()
     executor = MultiThreadedExecutor()
     executor.add_node(client)
-    threading.Thread(target=executor.spin, daemon=True).start()
+    spinning = threading.Thread(target=spin, args=(executor,), daemon=True)
+    spinning.start()
     client.say(kind="ready")
     try:
         for line in sys.stdin:
             client.order(json.loads(line))
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
+    finally:
+        executor.shutdown(timeout_sec=1.0)
+        spinning.join(timeout=1.0)
+        # Fast DDS removes its shared memory with the last node, not with the interpreter.
+        client.destroy_node()
+        rclpy.try_shutdown()
 
 
 if __name__ == "__main__":

@@ -201,6 +201,9 @@ def main():
         pass
     finally:
         robot.hardware.kill()
+        # Fast DDS removes its shared memory with the last node, not with the interpreter.
+        robot.destroy_node()
+        rclpy.try_shutdown()
 
 
 if __name__ == "__main__":
