@@ -27,13 +27,14 @@ struct RobotConfig<'a> {
     start: [f64; 3],
 }
 
-/// Writes the configuration of every seat into `folder`.
+/// Writes the configuration of every seat into `folder`; that of a `remote` seat is empty, as the other host has its own.
 ///
 /// # Errors
 /// One line naming the file.
 pub(crate) fn write(
     scenario: &Scenario,
     world: &World,
+    remote: &[Role],
     folder: &Path,
 ) -> Result<BTreeMap<Role, PathBuf>, String> {
     let robot = toml::Table::try_from(RobotConfig {
@@ -67,7 +68,9 @@ pub(crate) fn write(
             Role::Mapping => mapping.clone(),
             _ => toml::Table::new(),
         };
-        if let Some(service) = scenario.services.of(role) {
+        if remote.contains(&role) {
+            table.clear();
+        } else if let Some(service) = scenario.services.of(role) {
             table.extend(service.config.clone());
         }
         let file = folder.join(format!("{role}.toml"));
@@ -152,7 +155,7 @@ pub(crate) fn check<'a>(
     binaries: impl Iterator<Item = (&'a Role, &'a PathBuf)>,
 ) -> Result<Vec<String>, String> {
     let folder = folder_of_check()?;
-    let files = write(scenario, world, folder.path())?;
+    let files = write(scenario, world, &[], folder.path())?;
     let asked = binaries.filter_map(|(role, binary)| {
         Some(Asked {
             binary,

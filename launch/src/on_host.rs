@@ -52,6 +52,11 @@ pub(crate) struct OnHost {
 }
 
 impl OnHost {
+    /// Seats that the other host fills.
+    pub(crate) fn elsewhere(&self) -> Vec<Role> {
+        [&self.left_out[..], &self.remote].concat()
+    }
+
     /// Accepts programs and settings for seats of this host: on the other one they would be needed.
     ///
     /// # Errors

@@ -112,7 +112,7 @@ impl Prepared {
         }
         let host = self.host_of(role).unwrap_or_default();
         Err(format!(
-            "the process of {role} is on {host}: only what runs on this host can be swapped, killed or stopped here"
+            "the process of {role} is on {host}: only what runs on this host can be killed or stopped here"
         ))
     }
 
@@ -214,7 +214,8 @@ fn check_scenario(
     }
     let companions = companions_of(&scenario, &mut wrong);
     wrong.extend(configs::check_companions(&scenario, &companions)?);
-    let swaps = swaps_of(&scenario, &mut wrong);
+    let elsewhere = on_host.as_ref().map_or_else(Vec::new, OnHost::elsewhere);
+    let swaps = swaps_of(&scenario, &elsewhere, &mut wrong);
     let Some(zeronav_scenario::Checked {
         world,
         footprint,
@@ -277,19 +278,28 @@ fn binaries_of(
     Ok(binaries)
 }
 
-/// The swaps of a scenario, or its shadow, with the tick before which each begins.
-fn swaps_of(scenario: &Scenario, wrong: &mut Vec<String>) -> Vec<(u64, SwapOrder)> {
-    let found = |field: &str, binary: Option<&PathBuf>, wrong: &mut Vec<String>| {
-        binary.and_then(|name| program::named(scenario, field, name, wrong))
+/// The swaps of a scenario, or its shadow, with the tick before which each begins. Programs for seats that are
+/// filled `elsewhere` are not looked for here.
+fn swaps_of(
+    scenario: &Scenario,
+    elsewhere: &[Role],
+    wrong: &mut Vec<String>,
+) -> Vec<(u64, SwapOrder)> {
+    let mut found = |field: &str, seat: &str, binary: Option<&PathBuf>| {
+        let name = binary?;
+        if elsewhere.iter().any(|role| role.label() == seat) {
+            return name.file_name().map(PathBuf::from);
+        }
+        program::named(scenario, field, name, wrong)
     };
-    let mut swaps = Vec::new();
+    let (mut swaps, mut refused) = (Vec::new(), Vec::new());
     for (role, shadow) in scenario.shadows() {
         let order = SwapOrder {
             role: role.to_string(),
             binary: found(
                 &format!("services.{role}.shadow.binary"),
+                role.label(),
                 shadow.binary.as_ref(),
-                wrong,
             ),
             config: shadow.config.clone(),
             shadow_s: None,
@@ -300,14 +310,15 @@ fn swaps_of(scenario: &Scenario, wrong: &mut Vec<String>) -> Vec<(u64, SwapOrder
     }
     for (index, swap) in scenario.swaps.iter().enumerate() {
         let field = |name: &str| format!("swaps[{index}].{name}");
+        let binary = found(&field("binary"), &swap.service, swap.binary.as_ref());
         let require = swap
             .require
             .as_deref()
             .map_or(Ok(Vec::new()), Clause::parse_all)
-            .map_err(|why| wrong.push(scenario.error_at(&field("require"), &why).to_string()));
+            .map_err(|why| refused.push(scenario.error_at(&field("require"), &why).to_string()));
         let order = SwapOrder {
             role: swap.service.clone(),
-            binary: found(&field("binary"), swap.binary.as_ref(), wrong),
+            binary,
             config: swap.config.clone(),
             shadow_s: Some(swap.shadow_s),
             keep_s: Some(swap.keep_s),
@@ -316,6 +327,7 @@ fn swaps_of(scenario: &Scenario, wrong: &mut Vec<String>) -> Vec<(u64, SwapOrder
         let tick = nanoseconds(swap.at_s) / scenario.run.tick_ns().max(1);
         swaps.push((tick, order));
     }
+    wrong.append(&mut refused);
     swaps
 }
 

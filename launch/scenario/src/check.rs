@@ -75,7 +75,6 @@ impl Scenario {
         wrong.extend(hosts::check_services(
             &self.hosts,
             (&self.faults, self.random_faults.as_ref()),
-            self.shadows().map(|(role, _)| role),
             self.restart.hang_after_s,
         ));
         let refused = |error: SpecError| self.error_at(&error.field, &error.why);

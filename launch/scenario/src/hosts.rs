@@ -103,7 +103,6 @@ pub fn hits_process(kind: &str) -> bool {
 pub(super) fn check_services(
     hosts: &BTreeMap<String, HostSpec>,
     (faults, random): (&[StackFault], Option<&RandomFaults>),
-    shadows: impl Iterator<Item = Role>,
     hang_after_s: f64,
 ) -> Vec<SpecError> {
     let Some(host) = commands(hosts) else {
@@ -131,12 +130,6 @@ pub(super) fn check_services(
         let remote = services.into_iter().find(|seat| is_remote(seat));
         let remote = remote.filter(|_| kinds.into_iter().any(hits_process));
         wrong.extend(remote.map(|seat| SpecError::new("random_faults.services", why(seat))));
-    }
-    for role in shadows {
-        if is_remote(role.label()) {
-            let why = format!("{role} is not on {host}: a shadow runs beside its seat there");
-            wrong.push(SpecError::new(format!("services.{role}.shadow"), why));
-        }
     }
     if hang_after_s > 0.0 && hang_after_s < HANG_AFTER_S_MIN {
         let why =
@@ -359,25 +352,21 @@ mod tests {
     }
 
     #[test]
-    fn what_is_killed_stopped_or_shadowed_is_on_the_host_of_launch() {
+    fn what_is_killed_or_stopped_is_on_the_host_of_launch() {
         let kill = |service: &str| StackFault::Kill {
             service: service.to_owned(),
             begins: None,
         };
-        let fields = |faults: &[StackFault], random: Option<&RandomFaults>, shadow: Role| {
-            let wrong = check_services(&two(), (faults, random), [shadow].into_iter(), 0.5);
+        let fields = |faults: &[StackFault], random: Option<&RandomFaults>| {
+            let wrong = check_services(&two(), (faults, random), 0.5);
             wrong
                 .into_iter()
                 .map(|error| error.field)
                 .collect::<Vec<_>>()
         };
-        let guard = Role::CollisionGuard;
-        assert!(fields(&[kill("collision_guard")], None, guard).is_empty());
+        assert!(fields(&[kill("collision_guard")], None).is_empty());
         let faults = [kill("collision_guard"), kill("mapping")];
-        assert_eq!(
-            fields(&faults, None, Role::Mapping),
-            ["faults[1].service", "services.mapping.shadow"]
-        );
+        assert_eq!(fields(&faults, None), ["faults[1].service"]);
         let mut random = RandomFaults {
             count: 1,
             from_s: 0.0,
@@ -386,15 +375,12 @@ mod tests {
             kinds: Vec::new(),
             services: Vec::new(),
         };
-        assert_eq!(
-            fields(&[], Some(&random), guard),
-            ["random_faults.services"]
-        );
+        assert_eq!(fields(&[], Some(&random)), ["random_faults.services"]);
         random.kinds = vec!["slow".to_owned()];
-        assert!(fields(&[], Some(&random), guard).is_empty());
+        assert!(fields(&[], Some(&random)).is_empty());
         random.kinds = vec!["stop".to_owned()];
         random.services = vec!["collision_guard".to_owned()];
-        assert!(fields(&[], Some(&random), guard).is_empty());
+        assert!(fields(&[], Some(&random)).is_empty());
     }
 
     #[test]

@@ -173,7 +173,13 @@ fn drive_stack(
     interrupted: &Arc<AtomicBool>,
 ) -> Result<Driven, String> {
     let started = Instant::now();
-    let configs = configs::write(&prepared.scenario, &prepared.world, stack.root())?;
+    let Prepared {
+        scenario,
+        world,
+        remote,
+        ..
+    } = prepared;
+    let configs = configs::write(scenario, world, remote, stack.root())?;
     let configs_ns = now_ns();
     for (role, delay) in &prepared.delays {
         stack.impede(*role, *delay, 0);

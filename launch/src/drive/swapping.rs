@@ -13,6 +13,8 @@ use zeronav_files::read;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
+use zeronav_scenario::assignment::lay_over;
+use zeronav_shell::remote_seats::{KEYS_BYTES_MAX, Program};
 use zeronav_supervise::binaries;
 use zeronav_supervise::hang::Limit;
 use zeronav_supervise::question::{self, Silence};
@@ -104,7 +106,6 @@ impl Session<'_> {
         if role == Role::Robot {
             return Err("the robot keeps the time and is not swapped".to_owned());
         }
-        self.prepared.check_here(role)?;
         order.check()?;
         let timed = order.require.iter().find(|clause| clause.is_timed());
         if let Some(clause) = timed.filter(|_| self.prepared.mode == RunMode::Lockstep) {
@@ -124,10 +125,15 @@ impl Session<'_> {
                 "{role} was started by hand (--external): launch does not swap it"
             ));
         };
-        let newcomer = order.binary.as_deref().map(binaries::find).transpose()?;
-        let newcomer = newcomer.unwrap_or_else(|| binary.to_owned());
-        let keys = order.config.clone();
-        let table = merged(table_in(config)?, role, newcomer == binary, keys);
+        let (newcomer, table) = if self.prepared.remote.contains(&role) {
+            (binary.to_owned(), program_there(table_in(config)?, &order)?)
+        } else {
+            let newcomer = order.binary.as_deref().map(binaries::find).transpose()?;
+            let newcomer = newcomer.unwrap_or_else(|| binary.to_owned());
+            let keys = order.config.clone();
+            let table = merged(table_in(config)?, role, newcomer == binary, keys);
+            (newcomer, table)
+        };
         self.swaps.last_id += 1;
         let id = self.swaps.last_id;
         let file = stack.root().join(format!("{role}{OF_A_SWAP}{id}.toml"));
@@ -198,6 +204,37 @@ impl Session<'_> {
             collector: &mut self.collector,
         }
     }
+}
+
+/// What sits in a seat of the other host is told which program is to be started there, and with which keys:
+/// those of `order` over those of the one in the seat, when that is the same program.
+fn program_there(office: Table, order: &SwapOrder) -> Result<Table, String> {
+    let said = |error: &dyn core::fmt::Display| error.to_string();
+    let office: Program = office.try_into().map_err(|error| said(&error))?;
+    let binary = match &order.binary {
+        None => office.binary.clone(),
+        Some(path) if path.components().count() == 1 => path.display().to_string(),
+        Some(path) => {
+            let role = &order.role;
+            return Err(format!(
+                "the process of {role} is on the other host: name its program there without a folder, not {}",
+                path.display()
+            ));
+        }
+    };
+    let mut keys = Table::new();
+    if binary == office.binary {
+        keys = toml::from_str(&office.keys).map_err(|error| said(&error))?;
+    }
+    lay_over(&mut keys, order.config.clone());
+    let keys = keys.to_string();
+    if keys.len() > KEYS_BYTES_MAX {
+        return Err(format!(
+            "the other host is told of at most {KEYS_BYTES_MAX} bytes of keys, not of {}",
+            keys.len()
+        ));
+    }
+    Table::try_from(Program { binary, keys }).map_err(|error| said(&error))
 }
 
 /// Asks a binary whether it can work with its configuration.

@@ -1,6 +1,7 @@
 //! The processes in the seats of a host that fills them for the launch of another: started when they are wanted,
 //! ended when they are not, and what became of each.
 
+use super::programs::Programs;
 use crate::configs;
 use crate::prepare::Prepared;
 use rustix::process::Signal;
@@ -14,11 +15,13 @@ use zeronav_console::terminal::note;
 use zeronav_msgs::role::Role;
 use zeronav_scenario::scheduling::SchedulingSpec;
 use zeronav_shell::Domain;
-use zeronav_shell::remote_seats::{Held, SeatStart};
+use zeronav_shell::printable::printable;
+use zeronav_shell::remote_seats::{Held, SeatStart, WHY_CHARS_MAX, Wanted};
 use zeronav_shell::seat::SeatLock;
 use zeronav_supervise::child::{Child, Start};
 use zeronav_supervise::cleaner::{Cleaner, Ticket};
 use zeronav_supervise::own_time::Patience;
+use zeronav_supervise::question::headline;
 
 /// Own time that a process may take to stop before it is killed.
 const STOP_LIMIT: Duration = Duration::from_secs(2);
@@ -27,7 +30,7 @@ const STOP_LIMIT: Duration = Duration::from_secs(2);
 const UNWANTED_LIMIT: Duration = Duration::from_secs(1);
 
 /// Starts of seats whose end is remembered; of the seat that ends next the oldest are forgotten.
-const ENDED_MAX: usize = 64;
+const ENDED_MAX: usize = 32;
 
 /// Exit code of a process that could not be started.
 const NOT_STARTED: u8 = 1;
@@ -43,11 +46,12 @@ struct Running {
 /// See the module's description.
 pub(super) struct Filled<'a> {
     prepared: &'a Prepared,
-    configs: BTreeMap<Role, PathBuf>,
     scheduling: BTreeMap<Role, SchedulingSpec>,
+    programs: Programs,
     seats: BTreeMap<Role, SeatLock>,
     running: BTreeMap<SeatStart, Running>,
-    ended: BTreeMap<SeatStart, u8>,
+    /// Exit codes, and why.
+    ended: BTreeMap<SeatStart, (u8, String)>,
     cleaner: Cleaner,
     /// What dead processes have left is being removed: until then none is started.
     cleaning: Option<Ticket>,
@@ -61,7 +65,7 @@ impl<'a> Filled<'a> {
     /// One line when a seat is taken, or a configuration cannot be written.
     pub(super) fn new(prepared: &'a Prepared, domain: &Domain) -> Result<Self, String> {
         let root = domain.root().to_owned();
-        let configs = configs::write(&prepared.scenario, &prepared.world, &root)?;
+        let configs = configs::write(&prepared.scenario, &prepared.world, &[], &root)?;
         let mut seats = BTreeMap::new();
         for role in prepared.binaries.keys() {
             let seat = SeatLock::take_free(domain, *role).map_err(|error| error.to_string())?;
@@ -69,7 +73,7 @@ impl<'a> Filled<'a> {
         }
         Ok(Self {
             prepared,
-            configs,
+            programs: Programs::new(prepared, configs, &root),
             scheduling: prepared.scenario.scheduling(),
             seats,
             running: BTreeMap::new(),
@@ -82,17 +86,23 @@ impl<'a> Filled<'a> {
 
     /// What became of each start.
     pub(super) fn held(&self) -> Vec<Held> {
-        let running = self.running.keys().map(|seat| (*seat, None));
-        let ended = self.ended.iter().map(|(seat, code)| (*seat, Some(*code)));
-        running
-            .chain(ended)
-            .map(|(seat, ended)| Held { seat, ended })
-            .collect()
+        let running = self.running.keys().map(|seat| Held {
+            seat: *seat,
+            ended: None,
+            why: String::new(),
+        });
+        let ended = self.ended.iter().map(|(seat, (code, why))| Held {
+            seat: *seat,
+            ended: Some(*code),
+            why: why.clone(),
+        });
+        running.chain(ended).collect()
     }
 
     /// One look: starts what is wanted, ends what is not: at once when the run is over, or a successor is wanted.
-    pub(super) fn look(&mut self, wanted: &[SeatStart], is_over: bool) {
+    pub(super) fn look(&mut self, wanted: &[Wanted], is_over: bool) {
         self.reap();
+        let is_wanted = |seat: &SeatStart| wanted.iter().any(|it| it.seat == *seat);
         for (seat, running) in &mut self.running {
             if let Some(patience) = &mut running.stopping {
                 if patience.is_over(STOP_LIMIT) {
@@ -100,12 +110,12 @@ impl<'a> Filled<'a> {
                 }
                 continue;
             }
-            if !is_over && wanted.contains(seat) {
+            if !is_over && is_wanted(seat) {
                 running.unwanted = None;
                 continue;
             }
             let since = *running.unwanted.get_or_insert_with(Instant::now);
-            let is_succeeded = wanted.iter().any(|other| other.role == seat.role);
+            let is_succeeded = wanted.iter().any(|other| other.seat.role == seat.role);
             if is_over || is_succeeded || since.elapsed() > UNWANTED_LIMIT {
                 running.child.signal(Signal::TERM);
                 running.stopping = Some(Patience::with(running.child.pid()));
@@ -116,18 +126,21 @@ impl<'a> Filled<'a> {
         if self.cleaning.is_some() || is_over {
             return;
         }
-        for seat in wanted {
-            // A predecessor has to end first.
-            let is_taken = self.running.keys().any(|other| other.role == seat.role);
-            if !is_taken && !self.ended.contains_key(seat) {
-                self.start(*seat);
+        for start in wanted {
+            let seat = start.seat;
+            let mut others = self.running.keys().filter(|it| it.role == seat.role);
+            // A predecessor that nobody wants any more has to end first; with one that is wanted, too, it is a swap.
+            let is_taken = others.any(|other| *other == seat || !is_wanted(other));
+            if !is_taken && !self.ended.contains_key(&seat) {
+                self.start(start);
             }
         }
     }
 
-    fn start(&mut self, seat: SeatStart) {
+    fn start(&mut self, wanted: &Wanted) {
+        let seat = wanted.seat;
         let Some(role) = seat.role() else { return };
-        match self.try_start(role, seat.epoch) {
+        match self.try_start(role, wanted) {
             Ok(child) => {
                 tracing::info!(%role, epoch = seat.epoch, pid = child.pid(), "started");
                 let running = Running {
@@ -137,36 +150,37 @@ impl<'a> Filled<'a> {
                 };
                 self.running.insert(seat, running);
             }
-            Err(error) => {
-                note(&format!("{role}: {error}"));
-                self.remember(seat, NOT_STARTED);
+            Err(why) => {
+                note(&format!("{role}: {}", printable(&why)));
+                self.remember(seat, NOT_STARTED, &why);
             }
         }
     }
 
-    fn try_start(&self, role: Role, epoch: u32) -> std::io::Result<Child> {
-        let none = || std::io::Error::other(format!("{role} is no seat of this host"));
-        let binary = self.prepared.binaries.get(&role).ok_or_else(none)?;
-        let config = self.configs.get(&role).ok_or_else(none)?;
+    fn try_start(&mut self, role: Role, wanted: &Wanted) -> Result<Child, String> {
+        let (binary, config) = self.programs.files(role, wanted)?;
+        let none = || format!("{role} is no seat of this host");
         let seat = self.seats.get(&role).ok_or_else(none)?;
         let arguments: [OsString; 8] = [
             "--domain".into(),
             self.root.clone().into(),
             "--epoch".into(),
-            epoch.to_string().into(),
+            wanted.seat.epoch.to_string().into(),
             "--config".into(),
             config.into(),
             "--log-level".into(),
             self.prepared.log_level.clone().into(),
         ];
         let start = Start {
-            binary,
+            binary: &binary,
             arguments: &arguments,
             root: &self.root,
             log: &self.prepared.log(format!("{role}.log")),
             scheduling: self.scheduling.get(&role),
         };
-        Child::start(role, epoch, seat.for_child()?, &start)
+        let seat = seat.for_child();
+        let child = seat.and_then(|seat| Child::start(role, wanted.seat.epoch, seat, &start));
+        child.map_err(|error| error.to_string())
     }
 
     fn reap(&mut self) {
@@ -182,20 +196,25 @@ impl<'a> Filled<'a> {
                 how,
                 "ended"
             );
-            ended.push((*seat, code(status)));
+            let (code, mut said) = (code(status), Vec::new());
+            if code != 0 {
+                said = running.child.log_tail(1);
+            }
+            ended.push((*seat, code, headline(&said.concat())));
             false
         });
-        for (seat, code) in ended {
-            self.remember(seat, code);
+        for (seat, code, why) in ended {
+            self.remember(seat, code, &why);
             self.cleaning = Some(self.cleaner.ask());
         }
     }
 
-    fn remember(&mut self, seat: SeatStart, code: u8) {
-        self.ended.insert(seat, code);
+    fn remember(&mut self, seat: SeatStart, code: u8, why: &str) {
+        let why = printable(why).chars().take(WHY_CHARS_MAX).collect();
+        self.ended.insert(seat, (code, why));
         while self.ended.len() > ENDED_MAX {
-            let of_role = |(it, _): (&SeatStart, &u8)| (it.role == seat.role).then_some(*it);
-            let Some(oldest) = self.ended.iter().find_map(of_role) else {
+            let mut starts = self.ended.keys().copied();
+            let Some(oldest) = starts.find(|it| it.role == seat.role) else {
                 break;
             };
             self.ended.remove(&oldest);

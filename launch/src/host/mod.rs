@@ -7,6 +7,7 @@
 mod filled;
 pub mod keys;
 mod link_result;
+mod programs;
 mod serve;
 
 pub(crate) use link_result::link_result;

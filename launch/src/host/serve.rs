@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use zeronav_console::terminal::{complain, note};
 use zeronav_msgs::role::Role;
 use zeronav_shell::printable::printable;
-use zeronav_shell::remote_seats::{FromLink, Line, SeatStart, ToLink};
+use zeronav_shell::remote_seats::{FromLink, Line, ToLink, Wanted};
 use zeronav_shell::{Domain, Peer};
 use zeronav_supervise::child::Child;
 use zeronav_supervise::descendants;
@@ -87,7 +87,7 @@ fn fill(
         "{host} waits for the robot's host; its seats: {}",
         seats.join(", ")
     ));
-    let (mut wanted, mut is_over) = (Wanted::default(), false);
+    let (mut wanted, mut is_over) = (News::default(), false);
     while !is_over && !interrupted.load(Ordering::Relaxed) {
         link.look(prepared, filled.root());
         if let Some(news) = link.exchange(&filled) {
@@ -124,9 +124,9 @@ fn shown(run: &str) -> String {
 
 /// What the link says.
 #[derive(Debug, Default)]
-struct Wanted {
+struct News {
     run: String,
-    seats: Vec<SeatStart>,
+    seats: Vec<Wanted>,
     over: bool,
 }
 
@@ -215,7 +215,7 @@ impl Link {
     }
 
     /// Tells the link what became of the seats; what it wants, when that is news.
-    fn exchange(&mut self, filled: &Filled<'_>) -> Option<Wanted> {
+    fn exchange(&mut self, filled: &Filled<'_>) -> Option<News> {
         if self.line.is_none() {
             self.line = Line::connect(&self.folder).ok();
             self.told = None;
@@ -234,7 +234,7 @@ impl Link {
             return None;
         };
         said.into_iter().rev().find_map(|said| match said {
-            FromLink::Wanted { run, seats, over } => Some(Wanted { run, seats, over }),
+            FromLink::Wanted { run, seats, over } => Some(News { run, seats, over }),
             FromLink::Ended { .. } => None,
         })
     }

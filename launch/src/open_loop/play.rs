@@ -115,7 +115,7 @@ impl Playing<'_> {
     ) -> Result<Player, PlayError> {
         let start = |why: String| PlayError::Start(why);
         let prepared = self.prepared;
-        let configs = configs::write(&prepared.scenario, &prepared.world, stack.root());
+        let configs = configs::write(&prepared.scenario, &prepared.world, &[], stack.root());
         let configs = configs.map_err(start)?;
         let who = (DrivenBy::Recording, &BTreeMap::new());
         let file = prepared.recording.clone();

@@ -147,7 +147,12 @@ fn order(
     for keys in &newcomer.set {
         lay_over(&mut config, keys.clone());
     }
-    let binary = newcomer.binary.as_deref().map(binaries::find).transpose()?;
+    // A name is looked up by launch, or by the other host.
+    let is_path = |binary: &&PathBuf| binary.components().count() > 1;
+    let binary = match newcomer.binary.as_ref() {
+        Some(path) if is_path(&path) => Some(binaries::find(path)?),
+        name => name.cloned(),
+    };
     let order = SwapOrder {
         role: role.to_string(),
         binary,

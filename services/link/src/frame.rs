@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::EVENT_MAX;
-use zeronav_shell::remote_seats::{Held, SeatStart};
+use zeronav_shell::remote_seats::{Held, Wanted};
 
 const MESSAGE: u8 = 1;
 const RING: u8 = 2;
@@ -25,7 +25,7 @@ pub struct Origin {
 }
 
 /// Longest beat. [bytes]
-const BEAT_BYTES_MAX: usize = 16 * 1024;
+const BEAT_BYTES_MAX: usize = 32 * 1024;
 
 /// How things stand on a host. Sent several times a second, and whenever something has changed.
 /// A field that another version has more is ignored: what it was built from is judged by `contract`.
@@ -57,7 +57,7 @@ pub struct Beat {
     /// Frames from the receiver that were lost on the way.
     pub lost: u64,
     /// Seats that are to be filled by the receiver.
-    pub wanted: Vec<SeatStart>,
+    pub wanted: Vec<Wanted>,
     /// Seats of the receiver's that are filled here, or were.
     pub held: Vec<Held>,
 }
@@ -193,6 +193,7 @@ pub fn decode(bytes: &[u8]) -> Result<(Origin, Frame<'_>), Malformed> {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use zeronav_shell::remote_seats::{Program, SeatStart};
 
     const ORIGIN: Origin = Origin {
         sender: 9,
@@ -238,8 +239,15 @@ mod tests {
             held: vec![Held {
                 seat,
                 ended: Some(137),
+                why: "killed".to_owned(),
             }],
-            wanted: vec![seat],
+            wanted: vec![Wanted {
+                seat,
+                program: Program {
+                    binary: "zeronav-mapping".to_owned(),
+                    keys: "x = 1".to_owned(),
+                },
+            }],
             ..Beat::default()
         }));
         let bytes = beat.encode(ORIGIN);

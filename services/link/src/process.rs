@@ -292,7 +292,7 @@ impl Link {
                 let other = &self.own.other;
                 tracing::warn!(other, "was started again: its processes have ended");
                 self.complaints.clear();
-                self.socket.all_ended(LOST);
+                self.socket.all_ended(LOST, "its host was started again");
             }
             Heard::Late => return,
             Heard::Refused(why) => return self.complain(why),
@@ -393,7 +393,6 @@ impl Link {
             instance,
             ..
         } = self.own.clone();
-        let sitters = self.socket.sitters().into_iter();
         let beat = Beat {
             contract,
             host,
@@ -407,7 +406,7 @@ impl Link {
             echo_received_ns: 0,
             reads: self.reads,
             lost: self.other.lost(),
-            wanted: sitters.map(|sitter| sitter.seat).collect(),
+            wanted: self.socket.wanted(),
             held: self.socket.held(),
         };
         if beat == self.said && now_ns.saturating_sub(self.beaten_ns) < BEAT_NS {

@@ -1,8 +1,8 @@
 //! A process that sits in a seat for one on the other host: launch starts it like any service, and it ends when
 //! that one does, with its exit code.
 //!
-//! The seat is the one that launch hands over, so it needs no word that says which. It beats no heart and writes no
-//! topic: the link does that for it.
+//! The seat is the one that launch hands over, so it needs no word that says which. Its configuration says what is to be
+//! started there ([`Program`]). It beats no heart and writes no topic: the link does that for it.
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -10,7 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use zeronav_msgs::role::Role;
 use zeronav_shell::flags::Flags;
-use zeronav_shell::remote_seats::{FromLink, Line, SeatStart, ToLink};
+use zeronav_shell::printable::printable;
+use zeronav_shell::remote_seats::{FromLink, Line, Program, SeatStart, ToLink, Wanted};
 use zeronav_shell::seat::SeatLock;
 use zeronav_shell::{Domain, StartError};
 
@@ -36,12 +37,14 @@ pub fn sit(flags: &Flags) -> Result<ExitCode, StartError> {
             let why = "launch hands the seat over: this program is not started by hand";
             StartError::Usage(why.to_owned())
         })?;
+    let program: Program = flags.member.read_config(|_| Ok(()))?;
     let stop = stop_flag()?;
+    let seat = SeatStart {
+        role: role.code(),
+        epoch,
+    };
     let sit = ToLink::Sit {
-        seat: SeatStart {
-            role: role.code(),
-            epoch,
-        },
+        wanted: Wanted { seat, program },
         pid: std::process::id(),
     };
     let mut line = None;
@@ -56,8 +59,9 @@ pub fn sit(flags: &Flags) -> Result<ExitCode, StartError> {
         match line.as_mut().map(Line::receive) {
             Some(Ok(said)) => {
                 for said in said {
-                    if let FromLink::Ended { code } = said {
-                        tracing::warn!(%role, code, "the process on the other host has ended");
+                    if let FromLink::Ended { code, why } = said {
+                        let why = printable(&why);
+                        tracing::warn!(%role, code, "the process on the other host has ended: {why}");
                         return Ok(ExitCode::from(code));
                     }
                 }

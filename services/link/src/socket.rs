@@ -5,7 +5,9 @@ use rustix::fs::{Mode, chmod};
 use std::os::unix::net::UnixListener;
 use zeronav_shell::StartError;
 use zeronav_shell::folder::{FILE_MODE, Folder};
-use zeronav_shell::remote_seats::{FromLink, Held, LINK_SOCKET, Line, SeatStart, ToLink};
+use zeronav_shell::remote_seats::{
+    FromLink, Held, LINK_SOCKET, Line, Program, SeatStart, ToLink, Wanted,
+};
 
 /// Connections at a time: two processes in each seat, a supervisor, and some that have just ended.
 const CLIENTS_MAX: usize = 32;
@@ -22,7 +24,7 @@ pub struct Sitter {
 #[derive(Debug)]
 struct Client {
     line: Line,
-    sits: Option<Sitter>,
+    sits: Option<(Sitter, Program)>,
     /// What the supervisor says that it has filled.
     held: Option<Vec<Held>>,
     /// What it was told last.
@@ -81,7 +83,10 @@ impl Socket {
                 Ok(said) => {
                     for said in said {
                         match said {
-                            ToLink::Sit { seat, pid } => client.sits = Some(Sitter { seat, pid }),
+                            ToLink::Sit { wanted, pid } => {
+                                let seat = wanted.seat;
+                                client.sits = Some((Sitter { seat, pid }, wanted.program));
+                            }
                             ToLink::Filled { held } => client.held = Some(held),
                         }
                     }
@@ -95,11 +100,23 @@ impl Socket {
     /// Who sits in seats for processes on the other host, but for those that were told that theirs has ended.
     #[must_use]
     pub fn sitters(&self) -> Vec<Sitter> {
-        let sitting = self
-            .clients
-            .iter()
-            .filter(|client| !matches!(client.told, Some(FromLink::Ended { .. })));
-        sitting.filter_map(|client| client.sits).collect()
+        self.sitting().map(|(sitter, _)| *sitter).collect()
+    }
+
+    /// What the other host has to start for them.
+    #[must_use]
+    pub fn wanted(&self) -> Vec<Wanted> {
+        let wanted = self.sitting().map(|(sitter, program)| Wanted {
+            seat: sitter.seat,
+            program: program.clone(),
+        });
+        wanted.collect()
+    }
+
+    fn sitting(&self) -> impl Iterator<Item = &(Sitter, Program)> {
+        let clients = self.clients.iter();
+        let sitting = clients.filter(|it| !matches!(it.told, Some(FromLink::Ended { .. })));
+        sitting.filter_map(|client| client.sits.as_ref())
     }
 
     /// The seats that are filled here for the other host.
@@ -109,29 +126,35 @@ impl Socket {
             .clients
             .iter()
             .filter_map(|client| client.held.as_ref());
-        held.flatten().copied().collect()
+        held.flatten().cloned().collect()
     }
 
     /// Tells those who sit for processes that have ended.
     pub fn ended(&mut self, held: &[Held]) {
         for client in &mut self.clients {
-            let of_seat = |held: &&Held| client.sits.is_some_and(|sits| sits.seat == held.seat);
-            let code = held.iter().find(of_seat).and_then(|held| held.ended);
-            if let Some(code) = code {
-                client.tell(FromLink::Ended { code });
+            let Some((sits, _)) = &client.sits else {
+                continue;
+            };
+            let held = held.iter().find(|held| held.seat == sits.seat);
+            if let Some(held) = held
+                && let Some(code) = held.ended
+            {
+                let why = held.why.clone();
+                client.tell(FromLink::Ended { code, why });
             }
         }
     }
 
-    /// Tells all who sit here that their processes have ended with this exit code.
-    pub fn all_ended(&mut self, code: u8) {
+    /// Tells all who sit here that their processes have ended with this exit code, and why.
+    pub fn all_ended(&mut self, code: u8, why: &str) {
         for client in self.clients.iter_mut().filter(|it| it.sits.is_some()) {
-            client.tell(FromLink::Ended { code });
+            let why = why.to_owned();
+            client.tell(FromLink::Ended { code, why });
         }
     }
 
     /// Tells the supervisor which seats it has to fill.
-    pub fn want(&mut self, run: &str, seats: &[SeatStart], over: bool) {
+    pub fn want(&mut self, run: &str, seats: &[Wanted], over: bool) {
         for client in self.clients.iter_mut().filter(|it| it.held.is_some()) {
             client.tell(FromLink::Wanted {
                 run: run.to_owned(),

@@ -21,7 +21,13 @@ pub const LINK_SOCKET: &str = "link.sock";
 pub const LINK_REPORT: &str = "link.json";
 
 /// Longest line. [bytes]
-const LINE_BYTES_MAX: usize = 16 * 1024;
+const LINE_BYTES_MAX: usize = 32 * 1024;
+
+/// Longest [`Program::keys`]. [bytes]
+pub const KEYS_BYTES_MAX: usize = 1024;
+
+/// Longest [`Held::why`]. [characters]
+pub const WHY_CHARS_MAX: usize = 160;
 
 /// A start of a seat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -41,14 +47,41 @@ impl SeatStart {
     }
 }
 
+/// What sits in a seat, where a swap has made it another than the scenario's. The configuration of the program that stands
+/// for it on the host of launch.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Program {
+    /// Name of the program, one of those that the scenario names for the seat; empty = the one in the seat.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub binary: String,
+    /// Keys of its configuration, TOML.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub keys: String,
+}
+
+/// A start of a seat that is to be made on the other host.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wanted {
+    /// The start.
+    pub seat: SeatStart,
+    /// What is to be started.
+    #[serde(default)]
+    pub program: Program,
+}
+
 /// What became of a start of a seat.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Held {
     /// The start.
     pub seat: SeatStart,
     /// Exit code of its process once that has ended; 128 and the signal's number when it was killed.
     pub ended: Option<u8>,
+    /// What it said last before it failed, or why it could not be started; empty otherwise.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub why: String,
 }
 
 /// What the link is told.
@@ -57,9 +90,9 @@ pub struct Held {
 pub enum ToLink {
     /// The sender sits in this seat for a process on the other host.
     Sit {
-        /// The seat.
-        seat: SeatStart,
-        /// Its process id.
+        /// The seat, and what is to be started in it.
+        wanted: Wanted,
+        /// Process id of the sender.
         pid: u32,
     },
     /// The sender fills the seats of this host: what became of each.
@@ -77,13 +110,15 @@ pub enum FromLink {
     Ended {
         /// As in [`Held`].
         code: u8,
+        /// As in [`Held`].
+        why: String,
     },
     /// The seats that this host has to fill.
     Wanted {
         /// Name of the run, empty while there is none.
         run: String,
         /// The starts.
-        seats: Vec<SeatStart>,
+        seats: Vec<Wanted>,
         /// The run is over, or another one has begun.
         over: bool,
     },
@@ -209,7 +244,10 @@ mod tests {
         let (mut one, other) = pair();
         let mut other = Line::new(other).expect("the same user");
         let sit = ToLink::Sit {
-            seat: seat(),
+            wanted: Wanted {
+                seat: seat(),
+                program: Program::default(),
+            },
             pid: 7,
         };
         one.send(&sit).expect("sent");
@@ -217,6 +255,7 @@ mod tests {
             held: vec![Held {
                 seat: seat(),
                 ended: Some(3),
+                why: "no map".to_owned(),
             }],
         })
         .expect("sent");
@@ -233,7 +272,9 @@ mod tests {
     #[test]
     fn half_lines_wait_and_what_means_nothing_is_an_error() {
         let (mut one, mut other) = pair();
-        other.write_all(br#"{"ended":{"code""#).expect("written");
+        other
+            .write_all(br#"{"ended":{"why":"","code""#)
+            .expect("written");
         assert!(one.receive::<FromLink>().expect("nothing yet").is_empty());
         other.write_all(b":1}}\n{}\n").expect("written");
         let error = one.receive::<FromLink>().expect_err("no such line");

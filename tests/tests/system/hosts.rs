@@ -174,15 +174,9 @@ fn what_ends_on_the_other_host_is_started_again_there() {
         services
     };
     // The program that stands in for it here is not what is meant.
-    let root = robot.domains().pop().expect("a domain");
-    for order in [&["swap", "mapping"][..], &["fault", "kill", "mapping"]] {
-        let mut asked = command();
-        let said = asked.args(order).arg("--domain").arg(&root).output();
-        let said = said.expect("zeronav starts");
-        let words = String::from_utf8_lossy(&said.stderr);
-        assert!(!said.status.success(), "{order:?}");
-        assert!(words.contains("mapping is on base"), "{words}");
-    }
+    let (code, words) = ask(&robot, &["fault", "kill", "mapping"]);
+    assert_ne!(code, 0, "{words}");
+    assert!(words.contains("mapping is on base"), "{words}");
     let planner = process(&base, "zeronav-global-planner").expect("a planner");
     assert!(send_signal(planner, Signal::KILL));
     base.wait_until("another planner runs there", |base| {
@@ -209,6 +203,88 @@ fn what_ends_on_the_other_host_is_started_again_there() {
     restarted.sort_by_key(ToString::to_string);
     let all = ["global_planner", "local_planner", "mapping"];
     assert_eq!(restarted, all, "{result:#}");
+    ends_with_its_services(base);
+}
+
+/// Exit code and words of a verb that is asked of this run.
+fn ask(run: &Zeronav, verb: &[&str]) -> (i32, String) {
+    let root = run.domains().pop().expect("a domain");
+    let mut asked = command();
+    let said = asked.args(verb).arg("--domain").arg(&root).output();
+    let said = said.expect("zeronav starts");
+    let words = [&said.stdout[..], &said.stderr].concat();
+    let code = said.status.code().unwrap_or(-1);
+    (code, String::from_utf8_lossy(&words).into_owned())
+}
+
+#[test]
+fn a_seat_of_the_other_host_is_swapped_as_on_one() {
+    let text = split("unsealed", &["mapping", "global_planner"], &free_end());
+    let swap = "[[swaps]]\nservice = \"global_planner\"\nat_s = 2.0\nshadow_s = 1.0\nkeep_s = 1.0\n\
+                config.planner = \"lazy_theta\"\n";
+    let text = format!("{text}{swap}");
+    let base = start(command(), &text, &SERVE);
+    let run = |more: &[&str]| {
+        let run = start(command(), &text, &[&LOCKSTEP[..], more].concat());
+        let result = run.finish().expect(0);
+        let swaps = result["swaps"].as_array().expect("swaps");
+        assert_eq!(swaps.len(), 1, "{result:#}");
+        assert_eq!(swaps[0]["state"], "swapped", "{result:#}");
+        assert_eq!(result["restarts"], json!([]), "{result:#}");
+        result
+    };
+    let (alone, on_two) = (run(&[]), run(&AS_ROBOT));
+    assert_eq!(on_two["run_hash"], alone["run_hash"], "{on_two:#}");
+    let planner = |result: &Value| {
+        let plans = result["plans"].as_array().cloned().unwrap_or_default();
+        plans.last().map(|plan| plan["planner"].clone())
+    };
+    assert_eq!(planner(&on_two), Some(json!("lazy_theta")), "{on_two:#}");
+    assert_eq!(planner(&on_two), planner(&alone));
+    ends_with_its_services(base);
+}
+
+#[test]
+fn what_the_other_host_cannot_swap_is_rejected_with_its_reason() {
+    let _turn = real_time_turn();
+    let text = scenario("unsealed", &free_end());
+    let base = start(command(), &text, &SERVE);
+    let up = ["up", "scenario.toml", "--headless", "--host", "robot"];
+    let mut robot = start(command(), &text, &up);
+    robot.wait_until("the stack stands", |run| {
+        !run.domains().is_empty() && ask(run, &["status"]).0 == 0
+    });
+    let quick = ["--shadow", "0.5", "--keep", "0.5"];
+    for (newcomer, expected) in [
+        (
+            &["--binary", "/bin/sh"][..],
+            "without a folder, not /bin/sh",
+        ),
+        (
+            &["--binary", "sh"],
+            "names no `sh` for mapping, but zeronav-mapping",
+        ),
+        (&["--set", "wrkers=1"], "wrkers"),
+    ] {
+        let (code, words) = ask(
+            &robot,
+            &[&["swap", "mapping"], newcomer, &quick[..]].concat(),
+        );
+        assert_ne!(code, 0, "{words}");
+        assert!(words.contains(expected), "{words}");
+    }
+    let other = [
+        "swap",
+        "mapping",
+        "--binary",
+        "zeronav-mapping",
+        "--set",
+        "workers=1",
+    ];
+    let (code, words) = ask(&robot, &[&other[..], &quick[..]].concat());
+    assert_eq!(code, 0, "{words}");
+    robot.signal(Signal::INT);
+    assert_eq!(robot.finish().code(), 130);
     ends_with_its_services(base);
 }
 
