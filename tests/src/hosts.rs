@@ -162,11 +162,61 @@ impl Way {
 /// This command in a network namespace, without cargo and in this process's folder.
 #[must_use]
 pub fn inside(namespace: &str, command: &Command) -> Command {
-    let mut inside = Command::new("ip");
-    inside.args(["netns", "exec", namespace]);
-    inside.arg(command.get_program()).args(command.get_args());
-    inside.env_remove("CARGO");
-    inside
+    under("ip", &["netns", "exec", namespace], command)
+}
+
+/// This command as the rest of another one, without cargo and in this process's folder.
+fn under(program: &str, arguments: &[&str], command: &Command) -> Command {
+    let mut under = Command::new(program);
+    under.args(arguments);
+    under.arg(command.get_program()).args(command.get_args());
+    under.env_remove("CARGO");
+    under
+}
+
+/// The clocks of another computer: one that goes on is 5,000 s ahead, and the time of day can be set.
+#[derive(Debug)]
+pub struct OtherClock(tempfile::TempDir);
+
+impl OtherClock {
+    /// Makes them.
+    ///
+    /// # Panics
+    /// Without a C compiler.
+    #[must_use]
+    pub fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let source = folder.path().join("set_clock.c");
+        std::fs::write(&source, include_str!("set_clock.c")).expect("written");
+        let mut compile = Command::new("cc");
+        compile.args(["-shared", "-fPIC", "-o"]);
+        compile.arg(folder.path().join("set_clock.so")).arg(&source);
+        assert!(compile.status().expect("cc starts").success());
+        Self(folder)
+    }
+
+    /// This command on that computer, which is the administrator's right.
+    #[must_use]
+    pub fn of(&self, command: &Command) -> Command {
+        let mut of = under("unshare", &["--time", "--monotonic", "5000"], command);
+        of.env("LD_PRELOAD", self.0.path().join("set_clock.so"));
+        of.env("ZERONAV_SET_CLOCK", self.0.path().join("set"));
+        of
+    }
+
+    /// Sets its time of day an hour ahead.
+    ///
+    /// # Panics
+    /// Without its folder.
+    pub fn set(&self) {
+        std::fs::write(self.0.path().join("set"), "").expect("written");
+    }
+}
+
+impl Default for OtherClock {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Default for Way {

@@ -25,9 +25,6 @@ const WAIT: Duration = Duration::from_millis(4);
 /// Time between two beats. [ns]
 const BEAT_NS: u64 = 50_000_000;
 
-/// Time between two looks at late readers of latched topics. [ns]
-const LATE_NS: u64 = 200_000_000;
-
 /// Time between two looks at who reads what here, and between two repetitions of what is latched. [ns]
 const READS_NS: u64 = 1_000_000_000;
 
@@ -67,8 +64,7 @@ pub struct Link {
     /// The newest frame that was sent.
     origin: Origin,
     beaten_ns: u64,
-    /// When late readers were looked at, who reads what, and when what is latched was repeated.
-    refreshed_ns: u64,
+    /// When it was looked at who reads what, and when what is latched was repeated. [ns]
     looked_ns: u64,
     repeated_ns: u64,
     reads: u64,
@@ -118,7 +114,6 @@ impl Companion for Link {
                 number: 0,
             },
             beaten_ns: 0,
-            refreshed_ns: 0,
             looked_ns: 0,
             repeated_ns: 0,
             reads: 0,
@@ -344,7 +339,10 @@ impl Link {
             }
             // Without room everything stays in its topic, where the newest message takes the place of the oldest.
             if self.session.outbox.has_room() {
-                for (topic, (envelope, items)) in self.lanes.take(zeronav_shell::clock::now_ns) {
+                let taken = self.lanes.take(zeronav_shell::clock::now_ns);
+                // Who says here that it is ready has the goal and all else that is latched before the other host hears so.
+                self.lanes.refresh();
+                for (topic, (envelope, items)) in taken {
                     if let Some(lane) = self.lanes.lane(topic) {
                         let bytes = envelope.len() + items.len();
                         self.account.sent(lane.row().name, bytes);
@@ -371,10 +369,6 @@ impl Link {
             let (offset, lost) = (self.other.offset(now_ns), self.other.lost());
             let folder = guest.peer().domain().folder();
             self.account.write(folder, offset, lost, now_ns);
-        }
-        if now_ns.saturating_sub(self.refreshed_ns) > LATE_NS {
-            self.refreshed_ns = now_ns;
-            self.lanes.refresh();
         }
         Ok(())
     }

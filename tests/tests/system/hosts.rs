@@ -4,7 +4,7 @@
 use rustix::process::Signal;
 use serde_json::{Value, json};
 use zeronav_tests::hosts::{
-    Way, free_end, link_log, make_keys, scenario, split, start, start_with_keys,
+    OtherClock, Way, free_end, link_log, make_keys, scenario, split, start, start_with_keys,
 };
 use zeronav_tests::{
     Zeronav, await_by_itself, command, leftovers, quiet_turn, real_time_turn, send_signal,
@@ -235,12 +235,11 @@ fn a_seat_of_the_other_host_is_swapped_as_on_one() {
     };
     let (alone, on_two) = (run(&[]), run(&AS_ROBOT));
     assert_eq!(on_two["run_hash"], alone["run_hash"], "{on_two:#}");
-    let planner = |result: &Value| {
-        let plans = result["plans"].as_array().cloned().unwrap_or_default();
-        plans.last().map(|plan| plan["planner"].clone())
-    };
-    assert_eq!(planner(&on_two), Some(json!("lazy_theta")), "{on_two:#}");
-    assert_eq!(planner(&on_two), planner(&alone));
+    // The newcomer there has the keys of the one here: its paths are as much shorter.
+    let shorter =
+        |result: &Value| result["swaps"][0]["comparison"]["measures"]["length_ratio_max"].clone();
+    assert!(shorter(&alone).as_f64() < Some(0.99), "{alone:#}");
+    assert_eq!(shorter(&on_two), shorter(&alone));
     ends_with_its_services(base);
 }
 
@@ -256,14 +255,8 @@ fn what_the_other_host_cannot_swap_is_rejected_with_its_reason() {
     });
     let quick = ["--shadow", "0.5", "--keep", "0.5"];
     for (newcomer, expected) in [
-        (
-            &["--binary", "/bin/sh"][..],
-            "without a folder, not /bin/sh",
-        ),
-        (
-            &["--binary", "sh"],
-            "names no `sh` for mapping, but zeronav-mapping",
-        ),
+        (&["/bin/sh"][..], "there without a folder"),
+        (&["sh"], "names no `sh` for mapping, but zeronav-mapping"),
         (&["--set", "wrkers=1"], "wrkers"),
     ] {
         let (code, words) = ask(
@@ -275,16 +268,66 @@ fn what_the_other_host_cannot_swap_is_rejected_with_its_reason() {
     }
     let other = [
         "swap",
-        "mapping",
-        "--binary",
-        "zeronav-mapping",
+        "global_planner",
+        "zeronav-global-planner",
         "--set",
-        "workers=1",
+        "planner=lazy_theta",
     ];
     let (code, words) = ask(&robot, &[&other[..], &quick[..]].concat());
     assert_eq!(code, 0, "{words}");
     robot.signal(Signal::INT);
     assert_eq!(robot.finish().code(), 130);
+    ends_with_its_services(base);
+}
+
+/// How far a median may be from where it should be. [us]
+const TOLERANCE_US: f64 = 20_000.0;
+
+#[test]
+fn delays_on_a_host_with_another_clock_are_found_in_their_hops() {
+    let _turn = real_time_turn();
+    let text = scenario("unsealed", &free_end());
+    let clock = OtherClock::new();
+    let base = start(clock.of(&command()), &text, &SERVE);
+    let drive = |more: &[&str]| {
+        let mut robot = start(command(), &text, &[&DRIVE[..], more].concat());
+        robot.wait_until("the robot is on its way", |run| time_s(run) > 2.0);
+        clock.set();
+        let result = robot.finish().expect(0);
+        safe_and_there(&result);
+        assert_eq!(result["restarts"], json!([]), "{result:#}");
+        let uncertainty_us = result["link"]["uncertainty_us"].as_f64();
+        assert!(
+            uncertainty_us.is_some_and(|us| us < TOLERANCE_US),
+            "{result:#}"
+        );
+        let hops = result["latency"]["every_scan"]["through_map"].clone();
+        let hops = hops.as_array().cloned().expect("hops");
+        let median = |hop: &Value| (hop["name"].clone(), hop["p50_us"].as_f64().expect("us"));
+        hops.iter().map(median).collect::<Vec<_>>()
+    };
+    // The time of day is set in the middle of the first drive.
+    let plain = drive(&[]);
+    let delayed = drive(&[
+        "--inject",
+        "mapping=60ms",
+        "--inject",
+        "global_planner=40ms",
+    ]);
+    assert_eq!(plain.len(), delayed.len());
+    for ((hop, before_us), (same, after_us)) in plain.iter().zip(&delayed) {
+        assert_eq!(hop, same);
+        let expected_us = match hop.as_str() {
+            Some("mapping") => 60_000.0,
+            Some("global_planner") => 40_000.0,
+            _ => 0.0,
+        };
+        let wrong_us = after_us - before_us - expected_us;
+        assert!(
+            wrong_us.abs() < TOLERANCE_US,
+            "{hop}: {plain:?} {delayed:?}"
+        );
+    }
     ends_with_its_services(base);
 }
 
