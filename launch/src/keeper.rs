@@ -15,7 +15,7 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::time::seconds;
 use zeronav_supervise::child::{Child, is_short};
 use zeronav_supervise::cleaner::Ticket;
-use zeronav_supervise::hang::{HangWatch, Limit};
+use zeronav_supervise::hang::HangWatch;
 use zeronav_supervise::own_time::Patience;
 use zeronav_supervise::restart::{Decision, Restarts};
 use zeronav_supervise::stack::{Launch, Stack};
@@ -310,16 +310,13 @@ impl<'a> Keeper<'a> {
         left_out: Option<Role>,
     ) -> Vec<Taken> {
         let mut taken = Vec::new();
-        let limit = Limit {
-            after: self.prepared.scenario.restart.hang_after(),
-            lockstep: self.prepared.mode == RunMode::Lockstep,
-        };
         for (role, epoch, progress, ready) in stack.heartbeats() {
             if ready {
                 taken.extend(self.seat(stack, collector, role));
             }
             let reading = || stack.reading(role);
             let beat = (epoch, progress);
+            let limit = self.prepared.hang_limit(role);
             let is_hung = self.hangs.look(role, beat, since, limit, reading);
             if is_hung && left_out != Some(role) && self.prepared.judges_hangs(role) {
                 self.kill(stack, role);
@@ -334,15 +331,15 @@ impl<'a> Keeper<'a> {
         for role in late.collect::<Vec<_>>() {
             self.kill(stack, role);
         }
-        self.note_starved(collector, limit);
+        self.note_starved(collector);
         taken
     }
 
     /// Remembers who got no processor. In lockstep a run only takes longer then.
-    fn note_starved(&mut self, collector: &Collector, limit: Limit) {
+    fn note_starved(&mut self, collector: &Collector) {
         self.looked_s = seconds(collector.robot_tick() * self.prepared.scenario.run.tick_ns());
         for seen in self.hangs.take_starved() {
-            if !limit.lockstep {
+            if self.prepared.mode != RunMode::Lockstep {
                 self.starvation.note(&seen, self.looked_s);
             }
         }

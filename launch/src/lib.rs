@@ -21,6 +21,7 @@ mod drive;
 mod ending;
 mod film;
 pub mod floor;
+mod hang_limit;
 pub mod host;
 pub mod import;
 mod judge;

@@ -90,12 +90,6 @@ impl Prepared {
         LogPlace::new(&self.logs, name)
     }
 
-    /// True for a seat whose process this computer sees, or in real time hears: in lockstep no clock decides that one on
-    /// the other host hangs.
-    pub(crate) fn judges_hangs(&self, role: Role) -> bool {
-        self.mode == RunMode::RealTime || !self.remote.contains(&role)
-    }
-
     /// The host that fills a seat; `None` when one computer fills all.
     pub(crate) fn host_of(&self, role: Role) -> Option<String> {
         let host = host_of(&self.scenario.hosts, role.label());

@@ -16,7 +16,6 @@ use zeronav_msgs::run::RunMode;
 use zeronav_scenario::assignment::lay_over;
 use zeronav_shell::remote_seats::{KEYS_BYTES_MAX, Program};
 use zeronav_supervise::binaries;
-use zeronav_supervise::hang::Limit;
 use zeronav_supervise::question::{self, Silence};
 use zeronav_supervise::stack::Stack;
 
@@ -196,10 +195,7 @@ impl Session<'_> {
             stack,
             lockstep,
             tick_ns: self.prepared.scenario.run.tick_ns(),
-            hang: Limit {
-                after: self.prepared.scenario.restart.hang_after(),
-                lockstep,
-            },
+            hang: self.prepared.hang_limit(role),
             is_vacant: self.keeper.is_vacant(role),
             collector: &mut self.collector,
         }
