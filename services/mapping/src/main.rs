@@ -23,6 +23,9 @@ use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Due, Service, Shell, StartError};
 use zeronav_world::StaticMap;
 
+/// Time between two looks for the odometry around a scan. [ns]
+const LOOK_NS: u64 = 1_000_000;
+
 struct MappingService {
     config: MappingConfig,
     static_map: Option<StaticMap>,
@@ -85,6 +88,9 @@ impl Service for MappingService {
                 Some(poses) => self.answer(shell, due, poses),
                 None => self.send_first(shell, due),
             }
+        }
+        if poses.is_none() && self.readings.awaits_odometry(shell) {
+            shell.wake_by(shell.woken_ns() + LOOK_NS);
         }
         if self.readings.report(shell) {
             self.send_stale(shell);

@@ -14,6 +14,9 @@ use zeronav_shell::{
 /// Time without a scan after which the map is not current. [ns]
 const STALE_NS: u64 = 500_000_000;
 
+/// Time after a scan in which the odometry around it is looked for more often than the shell wakes. [ns]
+const AWAIT_NS: u64 = 50_000_000;
+
 /// The readers of the seat.
 pub(crate) struct Readings {
     odometry: OdometryReader,
@@ -88,6 +91,13 @@ impl Readings {
             complete: located,
             ..Trigger::default()
         }
+    }
+
+    /// True for a moment while the odometry around the newest scan is still to come, as over a link: it rings nobody here.
+    pub(crate) fn awaits_odometry(&self, shell: &Shell) -> bool {
+        let came_ns = self.scan.received().map_or(0, |scan| scan.came_ns);
+        let is_young = shell.woken_ns().saturating_sub(came_ns) < AWAIT_NS;
+        is_young && self.scan.tick() > shell.answered_tick()
     }
 
     /// Says in the heartbeat whether odometry or scans are missing; true when scans are.
