@@ -76,7 +76,11 @@ impl Session<'_> {
             let swaps = scenario.swaps.iter();
             let swaps = swaps.filter(|swap| swap.service == role.label());
             let mut all = vec![PathBuf::from(binaries::stock(role))];
-            all.extend(own.cloned());
+            // What stands for a process on the other host is none that one chooses.
+            all.extend(
+                own.filter(|_| !self.prepared.remote.contains(&role))
+                    .cloned(),
+            );
             all.extend(shadows.filter_map(|(_, shadow)| shadow.binary.clone()));
             all.extend(swaps.filter_map(|swap| swap.binary.clone()));
             let mut seen = BTreeSet::new();

@@ -32,6 +32,9 @@ const UNWANTED_LIMIT: Duration = Duration::from_secs(1);
 /// Starts of seats whose end is remembered; of the seat that ends next the oldest are forgotten.
 const ENDED_MAX: usize = 32;
 
+/// Processes of a seat at a time.
+const PAIR: usize = 2;
+
 /// Exit code of a process that could not be started.
 const NOT_STARTED: u8 = 1;
 
@@ -128,10 +131,12 @@ impl<'a> Filled<'a> {
         }
         for start in wanted {
             let seat = start.seat;
-            let mut others = self.running.keys().filter(|it| it.role == seat.role);
-            // A predecessor that nobody wants any more has to end first; with one that is wanted, too, it is a swap.
-            let is_taken = others.any(|other| *other == seat || !is_wanted(other));
-            if !is_taken && !self.ended.contains_key(&seat) {
+            let others = self.running.keys().filter(|it| it.role == seat.role);
+            let others: Vec<&SeatStart> = others.collect();
+            // A predecessor that nobody wants any more has to end first; beside one that is wanted, too, a newcomer runs.
+            let is_taken = |other: &&SeatStart| **other == seat || !is_wanted(other);
+            let waits = others.len() >= PAIR || others.iter().any(is_taken);
+            if !waits && !self.ended.contains_key(&seat) {
                 self.start(start);
             }
         }
