@@ -19,6 +19,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::seats::Answers;
 use zeronav_msgs::topics::{ControlRequest, MapUpdate, RobotCommand};
+use zeronav_observe::statistics::percentile;
 
 /// Ticks in which latencies are measured, and how often at most: a busy machine may be in the way.
 const LATENCY_TICKS: u64 = 125;
@@ -165,13 +166,8 @@ impl Play {
                 .filter(|(tick, _)| *tick >= first)
                 .collect();
             let mut latencies: Vec<u64> = sent.iter().map(|sent| since(*sent, &answers)).collect();
-            latencies.sort_unstable();
-            let rank = (latencies.len() * 99).div_ceil(100).saturating_sub(1);
-            let p99_ns = latencies.get(rank).copied().unwrap_or(u64::MAX);
-            let p50_ns = latencies
-                .get(latencies.len() / 2)
-                .copied()
-                .unwrap_or(u64::MAX);
+            let [p99_ns, p50_ns] =
+                [0.99, 0.5].map(|share| percentile(&mut latencies, share).unwrap_or(u64::MAX));
             let text = format!(
                 "p99 {}, p50 {} of {} answers, the limit is {} ms",
                 in_ms(p99_ns),

@@ -7,6 +7,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use zeronav_observe::statistics::{median, percentile};
 
 /// Resamplings. The ends of a 95 % interval are the 10th from either end.
 const RESAMPLES: usize = 400;
@@ -24,6 +25,10 @@ pub const QUANTILES: [f64; 3] = [0.50, 0.90, 0.99];
 /// nearest-rank percentile of a round. `block` is the number of consecutive samples that are drawn
 /// together. `None` without two samples in some round. [ns]
 #[must_use]
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "times of a run are far below 2^53 ns"
+)]
 pub fn intervals(rounds: &[Vec<u64>], block: usize) -> Option<[[f64; 2]; 3]> {
     let rounds: Vec<&Vec<u64>> = rounds.iter().filter(|round| !round.is_empty()).collect();
     if rounds.iter().all(|round| round.len() < 2) {
@@ -38,7 +43,7 @@ pub fn intervals(rounds: &[Vec<u64>], block: usize) -> Option<[[f64; 2]; 3]> {
             let round = rounds[random.random_range(0..rounds.len())];
             draw(round, block, &mut random, &mut drawn);
             for (values, quantile) in of_rounds.iter_mut().zip(QUANTILES) {
-                values.push(percentile(&mut drawn, quantile));
+                values.extend(percentile(&mut drawn, quantile).map(|time_ns| time_ns as f64));
             }
         }
         for (values, of_rounds) in values.iter_mut().zip(of_rounds) {
@@ -57,33 +62,6 @@ pub fn draw(from: &[u64], block: usize, random: &mut Pcg64Mcg, into: &mut Vec<u6
         let at = random.random_range(0..n);
         let length = block.clamp(1, n - into.len());
         into.extend((0..length).map(|step| from[(at + step) % n]));
-    }
-}
-
-/// The nearest-rank percentile; `samples` are reordered. 0 without samples.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "counts of samples and times of a run are far below 2^53"
-)]
-pub fn percentile(samples: &mut [u64], quantile: f64) -> f64 {
-    if samples.is_empty() {
-        return 0.0;
-    }
-    let rank = (samples.len() as f64 * quantile).ceil().max(1.0) as usize;
-    let (_, value, _) = samples.select_nth_unstable(rank.min(samples.len()) - 1);
-    *value as f64
-}
-
-/// The median; `None` without values.
-pub fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let middle = values.len() / 2;
-    match values.len() {
-        0 => None,
-        n if n % 2 == 1 => values.get(middle).copied(),
-        _ => Some(f64::midpoint(values[middle - 1], values[middle])),
     }
 }
 
@@ -165,13 +143,5 @@ mod tests {
         assert_eq!(drawn.len(), 100);
         let follows = |pair: &&[u64]| pair[1] == (pair[0] + 1) % 100;
         assert!(drawn.windows(2).filter(follows).count() >= 90);
-    }
-
-    #[test]
-    fn percentiles_are_nearest_rank() {
-        let mut samples: Vec<u64> = (1..=100).rev().collect();
-        assert!((percentile(&mut samples, 0.50) - 50.0).abs() < 1.0e-9);
-        assert!((percentile(&mut samples, 0.99) - 99.0).abs() < 1.0e-9);
-        assert!((percentile(&mut [7], 0.99) - 7.0).abs() < 1.0e-9);
     }
 }

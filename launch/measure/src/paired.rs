@@ -6,9 +6,9 @@
 //! does (What Teachers Should Know About the Bootstrap, The American Statistician 69, 2015, section
 //! 4.3, expanded percentile interval).
 
-use super::bootstrap::{median, percentile};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use zeronav_observe::statistics::{median, percentile};
 
 /// Rounds of each side. With fewer, all ratios lie on one side of 1 by chance too often for any
 /// interval over them: 1 time in 8 with four.
@@ -63,12 +63,20 @@ pub fn ratio(rounds: &[(Vec<u64>, Vec<u64>)]) -> Option<Ratio> {
 
 /// Logarithm of the ratio of the medians of a round; `None` without samples, and where a median is 0.
 fn logarithm((first, second): &(Vec<u64>, Vec<u64>)) -> Option<f64> {
-    let middle = |times_ns: &Vec<u64>| {
-        let mut times_ns = times_ns.clone();
-        let middle_ns = percentile(&mut times_ns, 0.5);
-        (middle_ns > 0.0).then(|| middle_ns.ln())
+    let middle = |times_ns: &[u64]| {
+        let middle_ns = p50_ns(times_ns).filter(|middle_ns| *middle_ns > 0.0);
+        middle_ns.map(f64::ln)
     };
     Some(middle(second)? - middle(first)?)
+}
+
+/// The 50th percentile of a round; `None` without samples. [ns]
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "times of a run are far below 2^53 ns"
+)]
+fn p50_ns(times_ns: &[u64]) -> Option<f64> {
+    percentile(&mut times_ns.to_vec(), 0.5).map(|time_ns| time_ns as f64)
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a few rounds")]
@@ -78,9 +86,7 @@ fn mean(values: impl Iterator<Item = f64>, n: usize) -> f64 {
 
 /// Median over the rounds of the medians of one side; `None` without samples. [ns]
 pub fn middle_ns<'a>(rounds: impl Iterator<Item = &'a Vec<u64>>) -> Option<f64> {
-    let of_round = |times_ns: &Vec<u64>| percentile(&mut times_ns.clone(), 0.5);
-    let rounds = rounds.filter(|times_ns| !times_ns.is_empty());
-    median(rounds.map(of_round).collect())
+    median(rounds.filter_map(|times_ns| p50_ns(times_ns)))
 }
 
 impl Ratio {

@@ -15,6 +15,7 @@ use crate::result::profile::{CommandGaps, Edge, Profile, ProfileRow};
 use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
+use zeronav_observe::statistics::percentile;
 
 /// Consecutive scans that are resampled together: what disturbs one often disturbs the next.
 const SCANS_PER_BLOCK: usize = 10;
@@ -189,12 +190,13 @@ fn profile_row(name: &str, rounds: &[&Series], block: usize, deadline_ns: u64) -
     };
     let mut pooled = times_ns.concat();
     let is_told = pooled.len() >= ProfileRow::P999_N_MIN;
+    let p999_ns = percentile(&mut pooled, 0.999).filter(|_| is_told);
     ProfileRow {
         name: name.to_owned(),
         p50_interval_us: interval(0, figures.p50_us),
         p90_interval_us: interval(1, figures.p90_us),
         p99_interval_us: interval(2, figures.p99_us),
-        p999_us: is_told.then(|| us(bootstrap::percentile(&mut pooled, 0.999))),
+        p999_us: p999_ns.map(to_us),
         figures,
     }
 }

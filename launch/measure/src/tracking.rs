@@ -11,6 +11,7 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::truth::TruthObstacle;
+use zeronav_observe::statistics::median;
 
 /// Scans that wait for all their messages at most; the oldest go first.
 const WAITING_MAX: usize = 128;
@@ -143,15 +144,14 @@ impl TruthComparison {
             return None;
         }
         let report = self.score.report();
-        let mut delays_s = report.delays_s;
-        delays_s.sort_by(f64::total_cmp);
+        let delays_s = report.delays_s;
         #[allow(clippy::cast_precision_loss, reason = "a count of tracks")]
         let made_up = report.false_tracks as f64;
         Some(TrackingResult {
             found: delays_s.len(),
             missed: report.missed,
-            detection_delay_s_median: delays_s.get(delays_s.len() / 2).copied(),
-            detection_delay_s_max: delays_s.last().copied(),
+            detection_delay_s_median: median(delays_s.iter().copied()),
+            detection_delay_s_max: delays_s.iter().copied().max_by(f64::total_cmp),
             velocity_rmse_mps: (report.velocity_samples > 0).then_some(report.velocity_rmse_mps),
             velocity_samples: report.velocity_samples,
             false_moving: report.false_tracks,

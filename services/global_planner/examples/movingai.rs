@@ -18,6 +18,7 @@ use zeronav_global_planner::{
     CellPath, Control, CornerRule, EXACT, GlobalPlanner, PlanQuery, PlannerOptions, Unknown, row_of,
 };
 use zeronav_msgs::{Cell, CellRect};
+use zeronav_observe::statistics::median;
 
 /// Largest difference from the known length, which is printed to 6 digits. [cells]
 const TOLERANCE_CELLS: f64 = 0.006;
@@ -59,9 +60,7 @@ impl Tally {
     }
 
     fn median_us(&self) -> f64 {
-        let mut times = self.times_us.clone();
-        times.sort_by(f64::total_cmp);
-        common::quantile(&times, 0.5)
+        median(self.times_us.iter().copied()).unwrap_or(0.0)
     }
 
     fn json(&self) -> Value {

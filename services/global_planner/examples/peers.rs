@@ -35,6 +35,7 @@ use zeronav_global_planner::{
 };
 use zeronav_msgs::map::{COST_FREE, COST_LETHAL};
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
+use zeronav_observe::statistics::median;
 
 #[derive(Parser)]
 struct Flags {
@@ -233,8 +234,7 @@ fn told(set: &Set) -> Result<f64, String> {
         planner.map_changed(&map.view(), &[rect]);
         times.push(us(started));
     }
-    times.sort_by(f64::total_cmp);
-    Ok(common::quantile(&times, 0.5))
+    median(times).ok_or_else(|| "nothing was timed".to_owned())
 }
 
 fn compare(set: &Set) -> Result<Row, String> {

@@ -19,6 +19,7 @@ use zeronav_mapping::{Mapper, Mapping, Observation};
 use zeronav_msgs::map::MapTile;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::{Cell, CellRect, Pose};
+use zeronav_observe::statistics;
 
 /// Side of the room that is seen, whatever the map. [cells]
 const ROOM_CELLS: i32 = 400;
@@ -102,9 +103,9 @@ fn room_on(side: i32) -> (Room, i32) {
     (room, low)
 }
 
-fn median(mut times_us: Vec<f64>) -> f64 {
-    times_us.sort_by(f64::total_cmp);
-    times_us[times_us.len() / 2]
+/// Median of times; nothing of none. [us]
+fn median(times_us: Vec<f64>) -> f64 {
+    statistics::median(times_us).unwrap_or(f64::NAN)
 }
 
 fn microseconds(since: Instant) -> f64 {

@@ -11,9 +11,11 @@ use zeronav_msgs::header::Id;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::role::Role;
+use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
     GroundTruth, MapUpdate, PlanPath, RobotCommand, RobotOdometry, RunControlTopic, SPANS, Topic,
 };
+use zeronav_observe::statistics::median;
 
 /// One figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -179,7 +181,7 @@ impl Sums {
         }
     }
 
-    fn figures(mut self) -> Vec<Figure> {
+    fn figures(self) -> Vec<Figure> {
         let figure = |name: &str, unit, value| Figure {
             name: name.to_owned(),
             unit,
@@ -205,22 +207,20 @@ impl Sums {
             ),
             figure("mean cost of a path", "", mean(self.costs, self.paths)),
         ];
-        let errors_m = &mut self.located.errors_m;
-        errors_m.sort_unstable_by(f64::total_cmp);
-        let median_m = errors_m.get(errors_m.len() / 2).copied();
+        let errors_m = &self.located.errors_m;
+        let median_m = median(errors_m.iter().copied());
         figures.push(figure(MEDIAN_ERROR, "m", median_m));
         figures.push(figure(
             "largest error of the place",
             "m",
-            errors_m.last().copied(),
+            errors_m.iter().copied().max_by(f64::total_cmp),
         ));
-        for (role, mut times_ns) in self.computing_ns {
-            times_ns.sort_unstable();
+        for (role, times_ns) in self.computing_ns {
             let role = u16::try_from(role).ok().and_then(Role::from_code);
-            let median_ns = times_ns.get(times_ns.len() / 2).copied();
-            if let (Some(role), Some(ns)) = (role, median_ns) {
-                let ms = zeronav_msgs::time::seconds(ns) * 1e3;
-                figures.push(figure(&median_computing(role), "ms", Some(ms)));
+            let median_s = median(times_ns.into_iter().map(seconds));
+            if let (Some(role), Some(median_s)) = (role, median_s) {
+                let ms = Some(median_s * 1e3);
+                figures.push(figure(&median_computing(role), "ms", ms));
             }
         }
         figures

@@ -66,14 +66,6 @@ pub fn share(hits: usize, n: usize) -> Option<Estimate> {
     })
 }
 
-/// Median of samples; `None` without one.
-#[must_use]
-pub fn median(mut samples: Vec<f64>) -> Option<f64> {
-    samples.sort_by(f64::total_cmp);
-    let middle = samples.len() / 2;
-    samples.get(middle).copied()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,11 +92,5 @@ mod tests {
         assert_eq!(mean(&[]), None);
         let one = mean(&[2.0]).unwrap();
         assert!(one.interval.iter().all(|bound| (bound - 2.0).abs() < 1e-12));
-    }
-
-    #[test]
-    fn a_median_is_the_middle() {
-        assert_eq!(median(vec![3.0, 1.0, 2.0]), Some(2.0));
-        assert_eq!(median(vec![]), None);
     }
 }

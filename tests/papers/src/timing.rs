@@ -3,11 +3,11 @@
 
 use crate::maps::Maze;
 use crate::solve::{Fault, Method};
-use crate::stats::median;
 use crate::table::excluded;
 use std::hint::black_box;
 use std::time::Instant;
 use zeronav_global_planner::CellPath;
+use zeronav_observe::statistics::median;
 
 /// Repetitions on a map.
 const REPETITIONS: usize = 31;

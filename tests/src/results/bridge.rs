@@ -4,9 +4,10 @@
 use super::bench::{Bench, Measured, write_scenario};
 use super::extract::{list, table};
 use super::record::Row;
-use super::spread::{Figure, quantile};
+use super::spread::Figure;
 use crate::ros2::{Peer, domain, folder_of};
 use serde_json::Value;
+use zeronav_observe::statistics::percentile;
 
 /// Drives of either kind, in turn.
 const ROUNDS: usize = 5;
@@ -42,8 +43,7 @@ pub(super) fn make(bench: &mut Bench) -> Result<Measured, String> {
         bridged.push(bench.zeronav(&["run", &file])?);
         let said = robot.said("delay");
         let mut round: Vec<f64> = said.iter().filter_map(|it| it["us"].as_f64()).collect();
-        round.sort_by(f64::total_cmp);
-        let of = |share| quantile(&round, share).ok_or("no command reached the robot");
+        let mut of = |share| percentile(&mut round, share).ok_or("no command reached the robot");
         delays.push([of(0.5)?, of(0.99)?]);
     }
     let none = [Figure::plain(None), Figure::plain(None)];

@@ -1,6 +1,7 @@
 //! Estimates with their spread: quartiles, intervals of rates and of means.
 
 use serde::{Deserialize, Serialize};
+use zeronav_observe::statistics::{percentile, quartiles};
 
 /// Two-sided 95 % of the normal distribution.
 const Z: f64 = 1.959_963_984_540_054;
@@ -27,14 +28,18 @@ impl Figure {
         }
     }
 
+    /// A percentile of samples, without spread.
+    #[must_use]
+    pub fn percentile(samples: &[f64], share: f64) -> Self {
+        Self::plain(percentile(&mut samples.to_vec(), share))
+    }
+
     /// Median with the quartiles.
     #[must_use]
     pub fn median(values: &[f64]) -> Self {
-        Self {
-            value: quantile(values, 0.5),
-            low: quantile(values, 0.25),
-            high: quantile(values, 0.75),
-        }
+        let quartiles = quartiles(values.iter().copied());
+        let [low, value, high] = quartiles.map_or([None; 3], |quartiles| quartiles.map(Some));
+        Self { value, low, high }
     }
 
     /// Rate of `k` in `n` with the 95 % interval of Wilson (1927).
@@ -75,26 +80,6 @@ impl Figure {
             high: Some(mean + half),
         }
     }
-}
-
-/// Quantile by linear interpolation between the order statistics; `None` without values.
-#[must_use]
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place between 0 and the number of values"
-)]
-pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().checked_sub(1)?;
-    let place = share.clamp(0.0, 1.0) * number(last);
-    let low = place.floor();
-    let (a, b) = (
-        *sorted.get(low as usize)?,
-        *sorted.get(place.ceil() as usize)?,
-    );
-    Some(a + (b - a) * (place - low))
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]

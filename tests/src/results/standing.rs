@@ -98,26 +98,16 @@ pub(super) fn restarts(bench: &mut Bench) -> Result<Measured, String> {
     let time_s = 3.0 + KILL_EVERY_S * count(KILLS);
     let result = drive(bench, "restarts", time_s, &lines)?;
     let recoveries = list(&result, "faults").iter();
-    let mut recoveries: Vec<f64> = recoveries
+    let recoveries: Vec<f64> = recoveries
         .filter_map(|fault| fault["recovery_ms"].as_f64())
         .collect();
-    recoveries.sort_by(f64::total_cmp);
-    let rank = |share: f64| {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a place in a list"
-        )]
-        let place = (share * count(recoveries.len())).ceil() as usize;
-        recoveries.get(place.saturating_sub(1)).copied()
-    };
     let row = Row {
         name: "kill -9 of `global_planner` to its next path".to_owned(),
         n: recoveries.len() as u64,
         figures: vec![
             Figure::median(&recoveries),
-            Figure::plain(rank(0.9)),
-            Figure::plain(rank(0.99)),
+            Figure::percentile(&recoveries, 0.9),
+            Figure::percentile(&recoveries, 0.99),
             Figure::plain(recoveries.last().copied()),
             Figure::plain(result["contacts"].as_f64()),
             Figure::plain(Some(f64::from(u8::from(result["reached"] == true)))),

@@ -3,7 +3,7 @@
 use super::cases::Case;
 use super::tally::{AFTER_S, AHEAD_S, Failing, Inside, JUDGED, Tally};
 use crate::results::record::{Row, Table};
-use crate::results::spread::{Figure, quantile};
+use crate::results::spread::Figure;
 
 /// Share of 2-D normal samples in the ellipses of one and of two standard deviations. [%]
 const EXPECTED: [f64; 2] = [39.3, 86.5];
@@ -115,7 +115,7 @@ fn finding(groups: &[Group<'_>]) -> Table {
             n: group.count(|tally| tally.sights) as u64,
             figures: vec![
                 Figure::median(&delays_s),
-                Figure::plain(quantile(&delays_s, 0.9)),
+                Figure::percentile(&delays_s, 0.9),
                 Figure::rate(never, long),
                 Figure::plain(Some(number(long))),
                 group.per_min(Failing::Lost, in_sight_s),
@@ -160,9 +160,9 @@ fn velocity(groups: &[Group<'_>]) -> Table {
                 figures: vec![
                     Figure::rate(untracked, n),
                     Figure::median(&errors),
-                    Figure::plain(quantile(&errors, 0.9)),
+                    Figure::percentile(&errors, 0.9),
                     Figure::median(&headings),
-                    Figure::plain(quantile(&headings, 0.9)),
+                    Figure::percentile(&headings, 0.9),
                     Figure::median(&too_fast),
                 ],
             });
@@ -193,9 +193,9 @@ fn prediction(groups: &[Group<'_>]) -> Table {
                 n: errors.len() as u64,
                 figures: vec![
                     Figure::median(&errors),
-                    Figure::plain(quantile(&errors, 0.9)),
+                    Figure::percentile(&errors, 0.9),
                     Figure::median(&straight),
-                    Figure::plain(quantile(&straight, 0.9)),
+                    Figure::percentile(&straight, 0.9),
                 ],
             });
         }

@@ -18,6 +18,7 @@ const FUNCTION_LINES_MAX: usize = 80;
 fn allowed(from: &str) -> &'static [&'static str] {
     match from {
         "zeronav-files" | "zeronav-msgs" | "zeronav-params" => &[],
+        "zeronav-observe" => &["zeronav-msgs"],
         "zeronav-shell" => &["zeronav-files", "zeronav-msgs", "zeronav-params"],
         "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
         "zeronav-cpp" | "zeronav-link" | "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
@@ -49,11 +50,17 @@ fn allowed(from: &str) -> &'static [&'static str] {
         ],
         "zeronav-papers" => &[
             "zeronav-msgs",
+            "zeronav-observe",
             "zeronav-world",
             "zeronav-global-planner",
             "zeronav-local-planner",
         ],
-        "zeronav-measure" => &["zeronav-files", "zeronav-msgs", "zeronav-shell"],
+        "zeronav-measure" => &[
+            "zeronav-files",
+            "zeronav-msgs",
+            "zeronav-observe",
+            "zeronav-shell",
+        ],
         "zeronav-ros2" => &[
             "zeronav-msgs",
             "zeronav-params",
@@ -64,6 +71,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
         "zeronav-recorder" => &[
             "zeronav-files",
             "zeronav-msgs",
+            "zeronav-observe",
             "zeronav-ros-messages",
             "zeronav-shell",
         ],
@@ -97,6 +105,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-console",
             "zeronav-files",
             "zeronav-msgs",
+            "zeronav-observe",
             "zeronav-shell",
             "zeronav-supervise",
         ],

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use zeronav_observe::statistics;
 
 /// The latency part of a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -153,16 +154,8 @@ impl Figures {
     /// of all, samples are counted together.
     #[must_use]
     pub fn of_rounds(rounds: &[Self]) -> Self {
-        let median = |of: fn(&Self) -> Option<f64>| {
-            let mut values: Vec<f64> = rounds.iter().filter_map(of).collect();
-            values.sort_by(f64::total_cmp);
-            let middle = values.len() / 2;
-            match values.len() {
-                0 => None,
-                n if n % 2 == 1 => values.get(middle).copied(),
-                _ => Some(f64::midpoint(values[middle - 1], values[middle])),
-            }
-        };
+        let median =
+            |of: fn(&Self) -> Option<f64>| statistics::median(rounds.iter().filter_map(of));
         Self {
             n: rounds.iter().map(|round| round.n).sum(),
             censored: rounds.iter().map(|round| round.censored).sum(),

@@ -72,18 +72,6 @@ pub fn spread<T: Copy>(items: &[T], n: Option<usize>) -> Vec<T> {
     }
 }
 
-/// The value below which `share` of the sorted numbers lie; 0 for none.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "an index"
-)]
-pub fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let n = ((sorted.len() as f64 * share).ceil() as usize).saturating_sub(1);
-    sorted.get(n).copied().unwrap_or(0.0)
-}
-
 /// Geometric mean, smallest and largest.
 #[allow(clippy::cast_precision_loss, reason = "a few numbers")]
 pub fn spread_of(ratios: &[f64]) -> (f64, f64, f64) {

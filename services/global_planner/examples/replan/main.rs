@@ -31,7 +31,7 @@ mod support;
 use change::{INFLATION_FACTOR, INFLATION_M, INSCRIBED_M, KINDS, Kind};
 use clap::Parser;
 use common::movingai::GridMap;
-use measure::{Bench, Times, median, query, whole};
+use measure::{Bench, Times, query, whole};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -41,6 +41,7 @@ use zeronav_global_planner::{
 };
 use zeronav_msgs::Cell;
 use zeronav_msgs::map::COST_LETHAL;
+use zeronav_observe::statistics::{median, percentile};
 
 /// Maps of the data set, without their ending.
 const DATA_MAPS: [&str; 3] = [
@@ -80,19 +81,18 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
         let missed = cut.iter().filter(|event| event.detour.is_nan()).count();
         let mut dearer: Vec<f64> = cut.iter().map(|event| event.detour_ratio).collect();
         dearer.retain(|ratio| !ratio.is_nan());
-        dearer.sort_by(f64::total_cmp);
+        let mut dearer = |share| percentile(&mut dearer, share).unwrap_or(0.0);
         let of = |field: fn(&Times) -> f64| {
             let mut numbers: Vec<f64> = events.iter().map(field).collect();
             numbers.retain(|number| !number.is_nan());
-            numbers.sort_by(f64::total_cmp);
-            let at = |share| common::quantile(&numbers, share);
+            let mut at = |share| percentile(&mut numbers, share).unwrap_or(0.0);
             if at(0.5) < 10.0 {
                 format!("{:.1} / {:.1} / {:.1}", at(0.5), at(0.99), at(1.0))
             } else {
                 format!("{:.0} / {:.0} / {:.0}", at(0.5), at(0.99), at(1.0))
             }
         };
-        let mid = |field: fn(&Times) -> f64| median(events.iter().map(field).collect());
+        let mid = |field: fn(&Times) -> f64| median(events.iter().map(field)).unwrap_or(0.0);
         let worst_ratio = events.iter().map(|event| event.ratio).fold(0.0, f64::max);
         let jumps = if uniform {
             of(|event| event.jumps)
@@ -106,8 +106,8 @@ fn table(name: &str, map: &Map, uniform: bool, n_events: usize) -> Result<usize,
             mid(|event| event.notify),
             of(|event| event.filter),
             of(|event| event.detour),
-            common::quantile(&dearer, 0.5),
-            common::quantile(&dearer, 1.0),
+            dearer(0.5),
+            dearer(1.0),
             of(|event| event.incremental),
             of(|event| event.scratch),
             of(|event| event.cycle),

@@ -1,7 +1,6 @@
 //! The times of the planners and of the whole replanning cycle after a change of the map.
 
 use crate::change::{Kind, apply, place, undo};
-use crate::common;
 use crate::support::{Map, Rng};
 use std::time::Instant;
 use zeronav_global_planner::{
@@ -9,6 +8,7 @@ use zeronav_global_planner::{
     PlanQuery, PlannerOptions, Replanner, Situation, Step, Target, Unknown, row_of,
 };
 use zeronav_msgs::{Cell, CellRect};
+use zeronav_observe::statistics::median;
 
 /// Repeats of every change.
 const REPEATS: usize = 5;
@@ -35,7 +35,7 @@ pub(crate) struct Times {
 
 impl Times {
     fn median_of(runs: &[Self]) -> Self {
-        let of = |field: fn(&Self) -> f64| median(runs.iter().map(field).collect());
+        let of = |field: fn(&Self) -> f64| median(runs.iter().map(field)).unwrap_or(0.0);
         Self {
             notify: of(|times| times.notify),
             filter: of(|times| times.filter),
@@ -308,11 +308,6 @@ pub(crate) fn query(map: &Map, ends: (Cell, Cell)) -> PlanQuery<'_> {
 
 fn us(started: Instant) -> f64 {
     started.elapsed().as_secs_f64() * 1e6
-}
-
-pub(crate) fn median(mut numbers: Vec<f64>) -> f64 {
-    numbers.sort_by(f64::total_cmp);
-    common::quantile(&numbers, 0.5)
 }
 
 pub(crate) fn whole(map: &Map) -> CellRect {

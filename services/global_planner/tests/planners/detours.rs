@@ -7,6 +7,7 @@ use zeronav_global_planner::{CellPath, Control, CornerRule, News, PlanQuery};
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::{Cell, CellRect, MapView};
+use zeronav_observe::statistics::percentile;
 
 /// The map's own word on a path, step by step.
 fn assert_legal(what: &str, query: &PlanQuery<'_>, cells: &[Cell]) {
@@ -125,18 +126,8 @@ fn a_detour_is_legal_and_no_better_than_the_best_path() {
     for seed in 100..106 {
         compare(seed, Map::office(240, 160, seed), 30, 12, &mut tally);
     }
-    tally.ratios.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
-            reason = "an index"
-        )]
-        let n = (tally.ratios.len() as f64 * share) as usize;
-        tally.ratios[n.min(tally.ratios.len() - 1)]
-    };
-    let (median, p95) = (at(0.5), at(0.95));
+    let [median, p95] =
+        [0.5, 0.95].map(|share| percentile(&mut tally.ratios, share).expect("ratios"));
     assert!(
         tally.ready * 10 >= tally.cut * 8,
         "{} of {}",

@@ -6,7 +6,7 @@ use crate::maps::{Ends, MapFamily, MapSpec, Maze};
 use crate::rollout::{Rollout, bodies, goal_of, roll, walked, waypoints};
 use crate::row::{Place, Row};
 use crate::solve::{Method, Way, Ways};
-use crate::stats::{self, median};
+use crate::stats;
 use crate::table::{Context, Outcome, TableError, draw, excluded, figure};
 use crate::verdict::{Printed, Standing};
 use serde_json::json;
@@ -21,6 +21,7 @@ use zeronav_local_planner::papers::ju_r7::JuR7;
 use zeronav_local_planner::papers::options::{JuFusionConfig, JuR6Config, JuR7Config};
 use zeronav_local_planner::papers::potential::Gains;
 use zeronav_local_planner::papers::walk::{End, Walk};
+use zeronav_observe::statistics::median;
 
 /// Fifty cells.
 const SPEC: MapSpec = MapSpec {

@@ -7,7 +7,7 @@ use crate::maps::{MapFamily, Maze};
 use crate::rollout::{Rollout, bodies, measured, roll, waypoints};
 use crate::row::{Place, Row};
 use crate::solve::{Method, Way, Ways};
-use crate::stats::{self, median};
+use crate::stats;
 use crate::table::{Context, Outcome, TableError, corners, count, excluded, figure, time};
 use crate::verdict::{Printed, Standing};
 use nalgebra::{Point2, Vector2};
@@ -21,6 +21,7 @@ use zeronav_local_planner::papers::lwx_fusion::LwxFusion;
 use zeronav_local_planner::papers::options::LwxFusionConfig;
 use zeronav_local_planner::papers::potential::Gains;
 use zeronav_local_planner::papers::walk::{End, Trace, Walk};
+use zeronav_observe::statistics::median;
 
 /// Printed changes of time: against the ant colony, against the random tree.
 const PRINTED: [(&str, &str, &str, f64); 2] = [

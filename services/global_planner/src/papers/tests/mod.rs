@@ -103,12 +103,6 @@ fn count(n: u64) -> f64 {
     f64::from(u32::try_from(n).expect("small maps"))
 }
 
-/// Median of a list that is not empty.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
 #[track_caller]
 fn assert_close(value: f64, expected: f64, tolerance: f64, what: &str) {
     assert!(

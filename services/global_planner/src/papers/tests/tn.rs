@@ -1,7 +1,7 @@
 //! TN-REG, TN-SW, TN-APF, TN-3N, TN-HYB.
 
 use super::generate::{blocky, corners, iid};
-use super::{assert_close, assert_legal, count, median, plain, plan, plan_with};
+use super::{assert_close, assert_legal, count, plain, plan, plan_with};
 use crate::papers::on_map::OnMap;
 use crate::papers::tn_3n::{Memory, Rotate};
 use crate::papers::tn_hyb::{Mode, TnHyb, tn_hyb};
@@ -9,6 +9,7 @@ use crate::support::Map;
 use crate::{CornerRule, Fallback, PlanError, PlannerOptions};
 use zeronav_msgs::map::FLAG_REGULARISED;
 use zeronav_msgs::{Cell, CellRect};
+use zeronav_observe::statistics::median;
 
 const RULE: CornerRule = CornerRule::ForbidAny;
 
@@ -447,7 +448,7 @@ fn tn_hyb_finds_a_way_wherever_a_star_does_on_600_maps() {
     }
     let n = u32::try_from(ratios.len()).unwrap();
     let dear = ratios.iter().filter(|ratio| **ratio >= 0.3).count();
-    let ratio = median(ratios);
+    let ratio = median(ratios).unwrap();
     eprintln!(
         "{n} without the ladder ({backtracked} went back), {others} with, {dear} dear, {ratio}"
     );

@@ -1,13 +1,14 @@
 //! ZM-TRA, ZM-HW, ZM-IM.
 
 use super::generate::{any, blocky, corners};
-use super::{assert_close, count, median, plain, plan};
+use super::{assert_close, count, plain, plan};
 use crate::papers::field::{Field, Prices};
 use crate::papers::weight::EtaOptions;
 use crate::papers::weight::Weight;
 use crate::support::Map;
 use crate::{CornerRule, Unknown};
 use zeronav_msgs::Cell;
+use zeronav_observe::statistics::median;
 
 const RULE: CornerRule = CornerRule::ForbidAny;
 
@@ -45,7 +46,7 @@ fn zm_hw_costs_at_most_its_weight_and_expands_less() {
             tra.push(count(proper.stats().expanded));
         }
         assert!(hw.len() > 50);
-        let (hw, tra) = (median(hw), median(tra));
+        let (hw, tra) = (median(hw).unwrap(), median(tra).unwrap());
         assert!(hw < tra, "weight {weight}: {hw} of {tra} expansions");
     }
 }
