@@ -16,7 +16,7 @@ use zeronav_measure::result::latency::Latency;
 use zeronav_measure::result::profile::Profile;
 use zeronav_measure::result::trials::{Load, Round, SlowHop, SlowTrial};
 use zeronav_measure::timings::{Drive, Gathering, Timings};
-use zeronav_measure::way::HOPS;
+use zeronav_observe::way::HOPS;
 
 /// Slowest trials that are listed with what disturbed them.
 const WORST: usize = 10;
@@ -217,8 +217,8 @@ fn load(prepared: &Prepared, driven: &Driven) -> Load {
 mod tests {
     use super::*;
     use zeronav_measure::result::latency::Hop;
-    use zeronav_measure::way::{ALL, Way};
     use zeronav_measure::{EventOutcome, Records};
+    use zeronav_observe::way::{ALL, Way};
 
     #[test]
     fn the_usual_time_is_said_in_whole_minutes() {

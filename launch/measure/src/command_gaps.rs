@@ -11,15 +11,19 @@ use crate::result::profile::CommandGaps;
 use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
+use zeronav_observe::way::{self, DIRECT};
 
 /// The hops behind a command, from the robot's odometry on.
-const HOPS: [&str; 5] = [
-    "robot",
-    "to_local_planner",
-    "local_planner",
-    "to_collision_guard",
-    "collision_guard",
-];
+const HOPS: [&str; 5] = {
+    let [robot, to_local, local, to_guard, guard, _] = DIRECT;
+    [
+        way::HOPS[robot],
+        way::HOPS[to_local],
+        way::HOPS[local],
+        way::HOPS[to_guard],
+        way::HOPS[guard],
+    ]
+};
 
 /// The times between commands while a path was followed; one per `period_ns` is due. A gap longer
 /// than the deadline is a pause, and no late command.

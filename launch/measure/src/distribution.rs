@@ -2,6 +2,7 @@
 
 use crate::result::latency::Figures;
 use hdrhistogram::Histogram;
+pub use zeronav_observe::way::to_us;
 
 /// Times and the samples that found no answer before their deadline.
 #[derive(Debug, Clone)]
@@ -93,16 +94,6 @@ impl Distribution {
             max_us: us(self.histogram.max()),
         }
     }
-}
-
-/// Nanoseconds as microseconds, to a tenth.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "times of a run are far below 2^53 ns"
-)]
-#[must_use]
-pub fn to_us(time_ns: u64) -> f64 {
-    (time_ns as f64 / 100.0).round() / 10.0
 }
 
 #[cfg(test)]

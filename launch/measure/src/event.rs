@@ -12,11 +12,11 @@
 
 use super::index::{PathRecord, Records, Sighting};
 use super::joins::Joins;
-use super::way::{HOPS, Way};
 use serde::Serialize;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
+use zeronav_observe::way::{HOPS, Way};
 
 /// How an event ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -191,7 +191,7 @@ fn answered(
     start: &Span,
     sighting: &Sighting,
 ) -> Option<Event> {
-    let way = Way::of_path(joins, path.id, path.map, start)?;
+    let way = Way::from_earlier(start, joins.of_path(path.id, path.map)?);
     let [.., commanded_ns, applied_ns] = way.boundaries_ns[..] else {
         return None;
     };

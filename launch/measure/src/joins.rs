@@ -117,6 +117,44 @@ impl<'a> Joins<'a> {
         self.scans.get(&scan).copied()
     }
 
+    /// The records behind a command that reached the wheels: the scan whose points its author checked,
+    /// the request, the guard's command, and `applied`.
+    ///
+    /// # Errors
+    /// [`End`] when the ids lead to no scan.
+    pub fn direct(&self, applied: &'a Span) -> Result<[&'a Span; 4], End> {
+        let guard = self.link(Role::CollisionGuard, applied.request)?;
+        let local = self.link(Role::LocalPlanner, guard.request)?;
+        Ok([self.scan_link(local.scan)?, local, guard, applied])
+    }
+
+    /// The records behind a command that reached the wheels, through the path that was followed: of the
+    /// scan, map, path, request, the guard's command, and `applied`.
+    ///
+    /// # Errors
+    /// [`End`] when the ids lead to no scan.
+    pub fn through_map(&self, applied: &'a Span) -> Result<[&'a Span; 6], End> {
+        let guard = self.link(Role::CollisionGuard, applied.request)?;
+        let local = self.link(Role::LocalPlanner, guard.request)?;
+        let global = self.link(Role::GlobalPlanner, local.path)?;
+        let mapping = self.link(Role::Mapping, global.map)?;
+        let scan = self.scan_link(mapping.scan)?;
+        Ok([scan, mapping, global, local, guard, applied])
+    }
+
+    /// The same from the scan behind the map revision `map` through the path `path` to the first command
+    /// that follows it or a later one; `None` while a record is missing.
+    #[must_use]
+    pub fn of_path(&self, path: u64, map: u64) -> Option<[&'a Span; 6]> {
+        let global = self.output(Role::GlobalPlanner, path)?;
+        let mapping = self.output(Role::Mapping, map)?;
+        let scan = self.scan(mapping.scan)?;
+        let local = self.first_request_with_path(path)?;
+        let guard = self.first_command(local.output)?;
+        let applied = self.first_applied(guard.output)?;
+        Some([scan, mapping, global, local, guard, applied])
+    }
+
     /// The first map revision that is current as of `scan` or later.
     #[must_use]
     pub fn first_map_as_of(&self, scan: u64) -> Option<u64> {

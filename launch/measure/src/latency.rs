@@ -6,9 +6,10 @@ use super::index::Records;
 use super::joins::{End, Joins};
 use super::reaction::reactions;
 use super::series::Series;
-use super::way::{ALL, DIRECT, HOPS, THROUGH_MAP, Way};
 use crate::result::latency::{EveryScan, Figures, Hop, Latency, SecondClock};
 use std::collections::{BTreeMap, BTreeSet};
+use zeronav_msgs::span::Span;
+use zeronav_observe::way::{ALL, DIRECT, HOPS, THROUGH_MAP, Way};
 
 /// Latencies of all events and all scans. `radius_m` is that of the swept robot, `deadline_ns`
 /// the time after which an event or a scan counts as unanswered.
@@ -64,16 +65,16 @@ impl Ways {
         let mut ways = Self::new();
         let (mut scans, mut paths) = (BTreeSet::new(), BTreeSet::new());
         for applied in joins.applied() {
-            if let Some((way, scan)) = ways.look(Way::direct(&joins, applied))
-                && scans.insert(scan)
+            if let Some((spans, way)) = ways.look(joins.direct(applied), Way::direct)
+                && scans.insert(spans[0].scan)
             {
                 add(&mut ways.direct, &way);
             }
-            if let Some((way, path)) = ways.look(Way::through_map(&joins, applied)) {
+            if let Some((spans, way)) = ways.look(joins.through_map(applied), Way::through_map) {
                 ways.followed += 1;
                 ways.compare(&way);
                 // What is said again about the same scan is no further way of that scan.
-                if paths.insert(path) {
+                if paths.insert(spans[2].output) {
                     add(&mut ways.through_map, &way);
                 }
             }
@@ -81,12 +82,17 @@ impl Ways {
         ways
     }
 
-    /// Counts what is wrong with a way.
-    fn look(&mut self, followed: Result<(Way, u64), End>) -> Option<(Way, u64)> {
+    /// Counts what is wrong with the way that these records tell.
+    fn look<'a, const N: usize>(
+        &mut self,
+        followed: Result<[&'a Span; N], End>,
+        way: fn([&Span; N]) -> Way,
+    ) -> Option<([&'a Span; N], Way)> {
         match followed {
-            Ok((way, id)) => {
+            Ok(spans) => {
+                let way = way(spans);
                 self.count(&way);
-                Some((way, id))
+                Some((spans, way))
             }
             Err(End::Nothing) => None,
             Err(End::Missing) => {

@@ -29,7 +29,6 @@ pub mod timings;
 pub mod trace;
 pub mod tracking;
 pub mod tracking_score;
-pub mod way;
 
 pub use distribution::Distribution;
 pub use event::{Event, EventOutcome, judge};

@@ -6,13 +6,13 @@ use super::event::{Event, EventOutcome};
 use super::index::Records;
 use super::joins::Joins;
 use super::reaction::{Reaction, reactions_of};
-use super::way::{ALL, HOPS};
 use crate::result::latency::Figures;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::time::seconds;
+use zeronav_observe::way::{ALL, HOPS};
 
 /// Slowest answers that are kept, of reactions and of replannings each.
 const SLOWEST: usize = 10;

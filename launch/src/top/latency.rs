@@ -2,14 +2,12 @@
 
 use super::view::{HopLine, Replanning};
 use std::collections::VecDeque;
-use zeronav_measure::distribution::to_us;
 use zeronav_measure::joins::Joins;
 use zeronav_measure::result::latency::Figures;
-use zeronav_measure::way::{HOPS, Way};
 use zeronav_measure::{DEADLINE_NS, Records, reactions};
-use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::time::seconds;
+use zeronav_observe::way::{Way, to_us};
 
 /// Time for which records are kept: of a lidar with 10 scans a second more than the 100 that a 99th
 /// percentile needs. [ns]
@@ -83,19 +81,12 @@ impl Latency {
 
 /// The way of a path from the capture of its scan to the wheels; `None` while a record is missing.
 fn follow(records: &Records, path: NewPath) -> Option<Replanning> {
-    let joins = Joins::of(records);
-    let mapping = joins.output(Role::Mapping, path.map)?;
-    let scan = joins.scan(mapping.scan)?;
-    let way = Way::of_path(&joins, path.id, path.map, scan)?;
-    let hops = way.lengths_ns().map(|(hop, length_ns)| HopLine {
-        hop: HOPS[hop],
-        us: to_us(length_ns),
-    });
+    let way = Way::through_map(Joins::of(records).of_path(path.id, path.map)?);
+    let hops = way.named_us().map(|(hop, us)| HopLine { hop, us });
     Some(Replanning {
         time_s: seconds(path.run_ns),
         total_us: to_us(way.sum_ns()),
-        // The way begins with the scan: nothing was detected before it.
-        hops: hops.skip(1).collect(),
+        hops: hops.collect(),
     })
 }
 
@@ -103,7 +94,9 @@ fn follow(records: &Records, path: NewPath) -> Option<Replanning> {
 mod tests {
     use super::*;
     use zeronav_msgs::header::Id;
+    use zeronav_msgs::role::Role;
     use zeronav_msgs::span::SpanKind;
+    use zeronav_observe::way::HOPS;
 
     const US: u64 = 1000;
 

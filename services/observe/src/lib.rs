@@ -3,3 +3,4 @@
 //! reads the kernel's counters.
 
 pub mod statistics;
+pub mod way;

@@ -15,30 +15,8 @@ use std::collections::{HashMap, VecDeque};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
-
-/// Names of the hops through the map, in order.
-pub(crate) const THROUGH_MAP: [&str; 10] = [
-    "robot",
-    "to_mapping",
-    "mapping",
-    "to_global_planner",
-    "global_planner",
-    "to_local_planner",
-    "local_planner",
-    "to_collision_guard",
-    "collision_guard",
-    "to_robot",
-];
-
-/// Names of the hops of a scan that the local planner checks itself.
-pub(crate) const DIRECT: [&str; 6] = [
-    "robot",
-    "to_local_planner",
-    "local_planner",
-    "to_collision_guard",
-    "collision_guard",
-    "to_robot",
-];
+use zeronav_observe::statistics::percentile;
+use zeronav_observe::way::Way;
 
 /// Records that are kept of each role.
 const KEPT: usize = 512;
@@ -92,21 +70,13 @@ impl<K: Hash + Eq + Copy, V> Recent<K, V> {
     }
 }
 
-/// A way that a command took, hop by hop.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Way {
-    /// Lengths of the hops. [ns]
-    pub hops_ns: Vec<u64>,
+/// A way that a command took.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Taken {
+    /// Its hops.
+    pub way: Way,
     /// Run tick of the command.
     pub tick: u64,
-}
-
-impl Way {
-    /// Its hops with these names and their lengths. [us]
-    pub(crate) fn named_us(&self, names: &[&'static str]) -> Vec<(&'static str, f64)> {
-        let hops = names.iter().zip(&self.hops_ns);
-        hops.map(|(name, ns)| (*name, micros(*ns))).collect()
-    }
 }
 
 /// The scan that the local planner uses.
@@ -117,12 +87,6 @@ pub(crate) struct InUse {
     pub age_ns: u64,
     /// Commands that rest on it.
     pub uses: u64,
-}
-
-/// Nanoseconds as microseconds with one decimal.
-#[allow(clippy::cast_precision_loss, reason = "times of a cycle")]
-pub(crate) fn micros(ns: u64) -> f64 {
-    (ns as f64 / 100.0).round() / 10.0
 }
 
 /// Follows records as they come.
@@ -143,8 +107,8 @@ pub(crate) struct Hops {
     followed: u64,
     /// Path that began a new geometry.
     awaited: u64,
-    last_replanning: Option<Way>,
-    last_direct: Option<Way>,
+    last_replanning: Option<Taken>,
+    last_direct: Option<Taken>,
     in_use: Option<InUse>,
     /// The newest main message of each role whose record came.
     newest: HashMap<u16, Id>,
@@ -206,7 +170,7 @@ impl Hops {
     ///
     /// Records come writer by writer, and paths by themselves: a command may come before the records
     /// that it rests on. These are there one call later.
-    pub(crate) fn settle(&mut self) -> Option<Way> {
+    pub(crate) fn settle(&mut self) -> Option<Taken> {
         let [fresh, due] = core::mem::take(&mut self.commands);
         for guard in &due {
             self.commanded(guard);
@@ -214,8 +178,8 @@ impl Hops {
         self.commands = [Vec::new(), fresh];
         let [fresh, mut due] = core::mem::take(&mut self.applied);
         let replanned = due.drain(..).fold(None, |before, span| {
-            let way = self.applied(&span).cloned();
-            before.or(way)
+            let taken = self.applied(&span).cloned();
+            before.or(taken)
         });
         self.applied = [due, fresh];
         replanned
@@ -298,16 +262,9 @@ impl Hops {
     }
 
     /// A command reached the wheels.
-    fn applied(&mut self, applied: &Span) -> Option<&Way> {
-        let guard = self.answer(Role::CollisionGuard, applied.request)?;
-        let local = self.answer(Role::LocalPlanner, guard.request)?;
-        let control = [
-            local.started_ns,
-            local.published_ns,
-            guard.started_ns,
-            guard.published_ns,
-            applied.started_ns,
-        ];
+    fn applied(&mut self, applied: &Span) -> Option<&Taken> {
+        let guard = *self.answer(Role::CollisionGuard, applied.request)?;
+        let local = *self.answer(Role::LocalPlanner, guard.request)?;
         let (tick, path) = (applied.tick, local.path);
         if let Some(scan) = self.scans.get(local.scan) {
             let uses = self.in_use.filter(|before| before.scan == local.scan);
@@ -316,10 +273,9 @@ impl Hops {
                 age_ns: local.started_ns.saturating_sub(scan.capture_ns),
                 uses: uses.map_or(1, |before| before.uses + 1),
             };
-            let mut boundaries = vec![scan.capture_ns, scan.published_ns];
-            boundaries.extend(control);
-            if self.is_first_on_its_scan(local) == Some(true) {
-                self.last_direct = Some(way(&boundaries, tick));
+            if self.is_first_on_its_scan(&local) == Some(true) {
+                let way = Way::direct([scan, &local, &guard, applied]);
+                self.last_direct = Some(Taken { way, tick });
             }
             self.in_use = Some(in_use);
         }
@@ -327,33 +283,21 @@ impl Hops {
             return None;
         }
         self.followed = self.awaited;
-        self.last_replanning = Some(self.through_map(self.awaited, &control, tick)?);
+        let global = self.answer(Role::GlobalPlanner, self.awaited)?;
+        let mapping = self.answer(Role::Mapping, global.map)?;
+        let scan = self.scans.get(mapping.scan)?;
+        let way = Way::through_map([scan, mapping, global, &local, &guard, applied]);
+        self.last_replanning = Some(Taken { way, tick });
         self.last_replanning.as_ref()
     }
 
-    fn through_map(&self, path: u64, control: &[u64; 5], tick: u64) -> Option<Way> {
-        let global = self.answer(Role::GlobalPlanner, path)?;
-        let mapping = self.answer(Role::Mapping, global.map)?;
-        let scan = self.scans.get(mapping.scan)?;
-        let mut boundaries = vec![
-            scan.capture_ns,
-            scan.published_ns,
-            mapping.started_ns,
-            mapping.published_ns,
-            global.started_ns,
-            global.published_ns,
-        ];
-        boundaries.extend(control);
-        Some(way(&boundaries, tick))
-    }
-
     /// The hops of the first command that followed the last new path, where it came of a scan.
-    pub(crate) fn replanning(&self) -> Option<&Way> {
+    pub(crate) fn replanning(&self) -> Option<&Taken> {
         self.last_replanning.as_ref()
     }
 
     /// The hops of the last command at the wheels that was the first one on its scan.
-    pub(crate) fn direct(&self) -> Option<&Way> {
+    pub(crate) fn direct(&self) -> Option<&Taken> {
         self.last_direct.as_ref()
     }
 
@@ -374,36 +318,19 @@ impl Hops {
 
     /// Quantiles of the newest reactions; `None` when there are none, and when more than one scan in
     /// [`MISSED_ONE_IN`] was missed among them. [ns]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        clippy::cast_sign_loss,
-        reason = "at most 600 samples"
-    )]
     pub(crate) fn quantiles<const N: usize>(&self, wanted: [f64; N]) -> Option<[u64; N]> {
-        let mut sorted: Vec<u64> = self.reactions_ns.iter().copied().flatten().collect();
-        let n_missed = self.reactions_ns.len() - sorted.len();
-        if n_missed * MISSED_ONE_IN > self.reactions_ns.len() {
+        let mut times_ns: Vec<u64> = self.reactions_ns.iter().copied().flatten().collect();
+        let n_missed = self.reactions_ns.len() - times_ns.len();
+        if times_ns.is_empty() || n_missed * MISSED_ONE_IN > self.reactions_ns.len() {
             return None;
         }
-        sorted.sort_unstable();
-        let last = sorted.len().checked_sub(1)?;
-        Some(wanted.map(|part| sorted[(part * last as f64).round() as usize]))
+        Some(wanted.map(|share| percentile(&mut times_ns, share).unwrap_or_default()))
     }
 }
 
 /// The epoch of the process that wrote a record, as it stands in ids.
 fn epoch_of(span: &Span) -> u64 {
     Id::new(Id(span.output).epoch(), 0).0
-}
-
-/// Lengths between boundaries; a hop that ends before it begins is 0 long.
-fn way(boundaries_ns: &[u64], tick: u64) -> Way {
-    let pairs = boundaries_ns.windows(2);
-    Way {
-        hops_ns: pairs.map(|pair| pair[1].saturating_sub(pair[0])).collect(),
-        tick,
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! How the services and the latencies are, for the tables of the page.
 
 use crate::events::Events;
-use crate::hops::{BINS_US, DIRECT, Hops, THROUGH_MAP, Way, micros};
+use crate::hops::{BINS_US, Hops, Taken};
 use crate::usage::{Usage, Usages};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -16,6 +16,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{HealthTopic, health_of};
+use zeronav_observe::way::to_us;
 use zeronav_shell::{Latest, Peer, Roster, StartError};
 
 /// A service whose heart has not beaten for this long is silent.
@@ -137,8 +138,8 @@ impl Seats {
 
     /// All records that have come were taken in.
     pub(crate) fn settle(&mut self, events: &mut Events) {
-        if let Some(way) = self.hops.settle() {
-            events.replanned(way.named_us(&THROUGH_MAP));
+        if let Some(taken) = self.hops.settle() {
+            events.replanned(taken.way.named_us().collect());
         }
     }
 
@@ -213,15 +214,16 @@ impl Seats {
     fn latency(&self) -> Value {
         let (n, bins) = self.hops.histogram();
         let quantiles = self.hops.quantiles([0.5, 0.9, 0.99, 1.0]);
-        let way = |way: Option<&Way>, names: &[&'static str]| {
-            way.map(|way| json!({ "tick": way.tick, "hops_us": way.named_us(names) }))
+        let way = |taken: Option<&Taken>| {
+            let hops_us = taken.map(|taken| taken.way.named_us().collect::<Vec<_>>());
+            taken.map(|taken| json!({ "tick": taken.tick, "hops_us": hops_us }))
         };
         let (n_lost, n_missed) = self.hops.lost();
         let in_use = self.hops.in_use();
         json!({
             "records_lost": n_lost,
             "scan_in_use": in_use.map(|scan| json!({
-                "age_us": micros(scan.age_ns),
+                "age_us": to_us(scan.age_ns),
                 "uses": scan.uses,
             })),
             "reaction": {
@@ -229,13 +231,13 @@ impl Seats {
                 "missed": n_missed,
                 "ends_us": BINS_US,
                 "bins": bins,
-                "p50_us": quantiles.map(|all| micros(all[0])),
-                "p90_us": quantiles.map(|all| micros(all[1])),
-                "p99_us": quantiles.map(|all| micros(all[2])),
-                "max_us": quantiles.map(|all| micros(all[3])),
+                "p50_us": quantiles.map(|all| to_us(all[0])),
+                "p90_us": quantiles.map(|all| to_us(all[1])),
+                "p99_us": quantiles.map(|all| to_us(all[2])),
+                "max_us": quantiles.map(|all| to_us(all[3])),
             },
-            "replanning": way(self.hops.replanning(), &THROUGH_MAP),
-            "direct": way(self.hops.direct(), &DIRECT),
+            "replanning": way(self.hops.replanning()),
+            "direct": way(self.hops.direct()),
         })
     }
 }

@@ -18,11 +18,11 @@ const FUNCTION_LINES_MAX: usize = 80;
 fn allowed(from: &str) -> &'static [&'static str] {
     match from {
         "zeronav-files" | "zeronav-msgs" | "zeronav-params" => &[],
-        "zeronav-observe" => &["zeronav-msgs"],
         "zeronav-shell" => &["zeronav-files", "zeronav-msgs", "zeronav-params"],
         "zeronav-world" => &["zeronav-msgs", "zeronav-params"],
-        "zeronav-cpp" | "zeronav-link" | "zeronav-viewer" => &["zeronav-msgs", "zeronav-shell"],
-        "zeronav-motion" | "zeronav-ros-messages" => &["zeronav-msgs"],
+        "zeronav-cpp" | "zeronav-link" => &["zeronav-msgs", "zeronav-shell"],
+        "zeronav-viewer" => &["zeronav-msgs", "zeronav-observe", "zeronav-shell"],
+        "zeronav-motion" | "zeronav-observe" | "zeronav-ros-messages" => &["zeronav-msgs"],
         "zeronav-world-files" => &["zeronav-files", "zeronav-msgs", "zeronav-world"],
         "zeronav-robot-description" => &["zeronav-msgs", "zeronav-params", "zeronav-world"],
         "zeronav-mapping" => &[
@@ -134,6 +134,7 @@ fn allowed(from: &str) -> &'static [&'static str] {
             "zeronav-import",
             "zeronav-measure",
             "zeronav-msgs",
+            "zeronav-observe",
             "zeronav-params",
             "zeronav-recorder",
             "zeronav-robot-description",

@@ -29,14 +29,15 @@ pub(super) fn write(
     };
     let mut scans = BTreeSet::new();
     for applied in joins.applied() {
-        if let Some([scan, local, guard]) = direct(&joins, applied)
-            && scans.insert(scan.scan)
+        if let Ok(spans) = joins.direct(applied)
+            && scans.insert(spans[0].scan)
         {
-            flow("scan to wheel", &[scan, local, guard, applied]);
+            flow("scan to wheel", &spans);
         }
     }
     for path in &records.paths {
-        if let Some(spans) = through_map(&joins, path.id) {
+        let global = joins.output(Role::GlobalPlanner, path.id);
+        if let Some(spans) = global.and_then(|global| joins.of_path(path.id, global.map)) {
             flow("new path", &spans);
         }
     }
@@ -44,24 +45,6 @@ pub(super) fn write(
         write_ages(&joins, applied, about, events);
     }
     write_moments(records, about, &joins, events);
-}
-
-/// The records behind a command, from the scan whose points its author checked.
-fn direct<'a>(joins: &Joins<'a>, applied: &Span) -> Option<[&'a Span; 3]> {
-    let guard = joins.output(Role::CollisionGuard, applied.request)?;
-    let local = joins.output(Role::LocalPlanner, guard.request)?;
-    Some([joins.scan(local.scan)?, local, guard])
-}
-
-/// The records from the scan that a path's map is current as of to the wheels.
-fn through_map<'a>(joins: &Joins<'a>, path: u64) -> Option<[&'a Span; 6]> {
-    let global = joins.output(Role::GlobalPlanner, path)?;
-    let mapping = joins.output(Role::Mapping, global.map)?;
-    let scan = joins.scan(mapping.scan)?;
-    let local = joins.first_request_with_path(path)?;
-    let guard = joins.first_command(local.output)?;
-    let applied = joins.first_applied(guard.output)?;
-    Some([scan, mapping, global, local, guard, applied])
 }
 
 /// A flow leaves its first slice at its end and enters the others at their beginning, a nanosecond
@@ -89,8 +72,13 @@ fn write_flow(name: &str, parts: &[Slice], id: u64, events: &mut Vec<TraceEvent>
 
 /// How old scan and plan are when a command reaches the wheels.
 #[allow(clippy::cast_precision_loss, reason = "times of a run")]
-fn write_ages(joins: &Joins<'_>, applied: &Span, about: &About, events: &mut Vec<TraceEvent>) {
-    let Some([scan, local, _]) = direct(joins, applied) else {
+fn write_ages<'a>(
+    joins: &Joins<'a>,
+    applied: &'a Span,
+    about: &About,
+    events: &mut Vec<TraceEvent>,
+) {
+    let Ok([scan, local, ..]) = joins.direct(applied) else {
         return;
     };
     let age_ms = |since_ns: u64| applied.started_ns.saturating_sub(since_ns) as f64 / 1.0e6;

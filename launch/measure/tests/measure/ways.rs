@@ -3,10 +3,10 @@
 use crate::fixture::{DEADLINE_NS, RADIUS_M, US, clearance_m, disorder, drive, near, path, turn};
 use zeronav_measure::measure;
 use zeronav_measure::result::latency::Latency;
-use zeronav_measure::way::{DIRECT, HOPS, THROUGH_MAP, Way};
 use zeronav_msgs::path::PathCause;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_observe::way::{DIRECT, HOPS, THROUGH_MAP, Way};
 
 /// The drive with its answer, `change` applied to the spans of the second turn.
 fn changed(change: impl Fn(&mut Span)) -> Latency {

@@ -5,8 +5,6 @@
 //! before its predecessor, a link whose record is missing, and the robot's own time from capture to
 //! application on a second clock, `CLOCK_MONOTONIC_RAW`.
 
-use super::joins::{End, Joins};
-use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 
 /// Names of the hops through the map, in order. The first ends at the capture of the scan that the
@@ -25,6 +23,9 @@ pub const HOPS: [&str; 11] = [
     "collision_guard",
     "to_robot",
 ];
+
+/// Places in [`HOPS`] of all hops from an earlier scan on.
+pub const ALL: [usize; 11] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
 
 /// Places in [`HOPS`] of the hops of a scan whose points the local planner checks itself.
 pub const DIRECT: [usize; 6] = [1, 6, 7, 8, 9, 10];
@@ -51,71 +52,50 @@ pub struct Way {
     pub second_ns: Option<u64>,
 }
 
-/// Places in [`HOPS`] of all hops from an earlier scan on.
-pub const ALL: [usize; 11] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10];
-
 impl Way {
-    /// From the capture of `start` through the answer with `path`, made with `map`, to the first
-    /// command that follows it or a later one.
+    /// By the records of a scan, of the request whose author checked its points, of the guard's command
+    /// made of that, and of the robot that applied it.
     #[must_use]
-    pub fn of_path(joins: &Joins<'_>, path: u64, map: u64, start: &Span) -> Option<Self> {
-        let global = joins.output(Role::GlobalPlanner, path)?;
-        let mapping = joins.output(Role::Mapping, map)?;
-        let scan = joins.scan(mapping.scan)?;
-        let local = joins.first_request_with_path(path)?;
-        let guard = joins.first_command(local.output)?;
-        let applied = joins.first_applied(guard.output)?;
-        let mut boundaries_ns = vec![start.capture_ns];
-        boundaries_ns.extend(through_map([scan, mapping, global, local, guard, applied]));
-        Some(Self {
-            hops: &ALL,
-            boundaries_ns,
-            second_ns: second_ns(start, applied),
-        })
-    }
-
-    /// The way behind a command that reached the wheels, through the path that was followed. The
-    /// id beside it is that of the path.
-    ///
-    /// # Errors
-    /// `End` when the ids lead to no scan.
-    pub fn through_map(joins: &Joins<'_>, applied: &Span) -> Result<(Self, u64), End> {
-        let guard = joins.link(Role::CollisionGuard, applied.request)?;
-        let local = joins.link(Role::LocalPlanner, guard.request)?;
-        let global = joins.link(Role::GlobalPlanner, local.path)?;
-        let mapping = joins.link(Role::Mapping, global.map)?;
-        let scan = joins.scan_link(mapping.scan)?;
-        let way = Self {
-            hops: &THROUGH_MAP,
-            boundaries_ns: through_map([scan, mapping, global, local, guard, applied]).to_vec(),
-            second_ns: second_ns(scan, applied),
-        };
-        Ok((way, global.output))
-    }
-
-    /// The way behind a command that reached the wheels, from the scan whose points its author
-    /// checked. The id beside it is that of the scan.
-    ///
-    /// # Errors
-    /// `End` when the ids lead to no scan.
-    pub fn direct(joins: &Joins<'_>, applied: &Span) -> Result<(Self, u64), End> {
-        let guard = joins.link(Role::CollisionGuard, applied.request)?;
-        let local = joins.link(Role::LocalPlanner, guard.request)?;
-        let scan = joins.scan_link(local.scan)?;
-        let way = Self {
+    pub fn direct([scan, local, guard, applied]: [&Span; 4]) -> Self {
+        let mut boundaries_ns = vec![scan.capture_ns, scan.published_ns];
+        boundaries_ns.extend(control([local, guard, applied]));
+        Self {
             hops: &DIRECT,
-            boundaries_ns: vec![
-                scan.capture_ns,
-                scan.published_ns,
-                local.started_ns,
-                local.published_ns,
-                guard.started_ns,
-                guard.published_ns,
-                applied.started_ns,
-            ],
+            boundaries_ns,
             second_ns: second_ns(scan, applied),
-        };
-        Ok((way, scan.scan))
+        }
+    }
+
+    /// By the records of a scan, of the map that is current as of it, of the path on that map, and of what
+    /// followed the path.
+    #[must_use]
+    pub fn through_map([scan, mapping, global, local, guard, applied]: [&Span; 6]) -> Self {
+        let mut boundaries_ns = vec![
+            scan.capture_ns,
+            scan.published_ns,
+            mapping.started_ns,
+            mapping.published_ns,
+            global.started_ns,
+            global.published_ns,
+        ];
+        boundaries_ns.extend(control([local, guard, applied]));
+        Self {
+            hops: &THROUGH_MAP,
+            boundaries_ns,
+            second_ns: second_ns(scan, applied),
+        }
+    }
+
+    /// The same from the capture of an earlier scan on.
+    #[must_use]
+    pub fn from_earlier(start: &Span, spans: [&Span; 6]) -> Self {
+        let mut way = Self::through_map(spans);
+        way.boundaries_ns.insert(0, start.capture_ns);
+        Self {
+            hops: &ALL,
+            second_ns: second_ns(start, spans[5]),
+            ..way
+        }
     }
 
     /// Lengths of the hops: place in [`HOPS`] and time. A hop whose end lies before its beginning
@@ -124,6 +104,12 @@ impl Way {
         let pairs = self.boundaries_ns.windows(2);
         let lengths = pairs.map(|pair| pair[1].saturating_sub(pair[0]));
         self.hops.iter().copied().zip(lengths)
+    }
+
+    /// The hops with their names. [us]
+    pub fn named_us(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+        let lengths = self.lengths_ns();
+        lengths.map(|(hop, length_ns)| (HOPS[hop], to_us(length_ns)))
     }
 
     /// The hops that end before they begin: place in [`HOPS`], beginning and end. [ns]
@@ -153,15 +139,9 @@ impl Way {
     }
 }
 
-/// The boundaries from the capture of a scan through map and path to the wheels.
-fn through_map([scan, mapping, global, local, guard, applied]: [&Span; 6]) -> [u64; 11] {
+/// The boundaries from the local planner to the wheels. [ns]
+fn control([local, guard, applied]: [&Span; 3]) -> [u64; 5] {
     [
-        scan.capture_ns,
-        scan.published_ns,
-        mapping.started_ns,
-        mapping.published_ns,
-        global.started_ns,
-        global.published_ns,
         local.started_ns,
         local.published_ns,
         guard.started_ns,
@@ -175,4 +155,14 @@ fn through_map([scan, mapping, global, local, guard, applied]: [&Span; 6]) -> [u
 fn second_ns(scan: &Span, applied: &Span) -> Option<u64> {
     let both = scan.raw_ns != 0 && applied.raw_ns != 0;
     both.then(|| applied.raw_ns.saturating_sub(scan.raw_ns))
+}
+
+/// Nanoseconds as microseconds, to a tenth.
+#[allow(
+    clippy::cast_precision_loss,
+    reason = "times of a run are far below 2^53 ns"
+)]
+#[must_use]
+pub fn to_us(time_ns: u64) -> f64 {
+    (time_ns as f64 / 100.0).round() / 10.0
 }
