@@ -7,6 +7,7 @@ use zeronav_measure::distribution::to_us;
 use zeronav_measure::result::trials::{Disturbance, ServiceDisturbance};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
+use zeronav_observe::usage::Times;
 
 /// Totals of one process, over those of its threads that live: what one ran that has ended since is
 /// no longer counted by the kernel's files (services keep theirs until they end).
@@ -80,27 +81,23 @@ impl Reading {
     }
 }
 
-/// Time that the threads of a process have run; `None` when there is no such process. [ns]
-#[must_use]
-pub(crate) fn processor_ns(pid: u32) -> Option<u64> {
-    Counters::read(pid).map(|counters| counters.processor_ns)
-}
-
 impl Counters {
     /// `None` when there is no such process.
     fn read(pid: u32) -> Option<Self> {
         let folder = format!("/proc/{pid}");
         let stat = std::fs::read_to_string(format!("{folder}/stat")).ok()?;
+        let times = Times::of(pid)?;
         let mut counters = Self {
             pid,
+            processor_ns: times.ran_ns,
+            queue_ns: times.waited_ns,
             ..Self::default()
         };
         counters.add_faults(&stat);
-        // Switches and waits are counted per thread.
+        // Switches are counted per thread.
         for thread in std::fs::read_dir(format!("{folder}/task")).ok()?.flatten() {
-            let read = |name: &str| std::fs::read_to_string(thread.path().join(name));
-            counters.add_schedule(&read("schedstat").unwrap_or_default());
-            counters.add_switches(&read("status").unwrap_or_default());
+            let status = std::fs::read_to_string(thread.path().join("status"));
+            counters.add_switches(&status.unwrap_or_default());
         }
         Some(counters)
     }
@@ -119,19 +116,6 @@ impl Counters {
         self.minor_faults += next();
         next();
         self.major_faults += next();
-    }
-
-    /// From `schedstat`: time on a processor and time waiting for one. [ns]
-    fn add_schedule(&mut self, schedstat: &str) {
-        let mut fields = schedstat.split_ascii_whitespace();
-        let mut next = || {
-            fields
-                .next()
-                .and_then(|word| word.parse().ok())
-                .unwrap_or(0)
-        };
-        self.processor_ns += next();
-        self.queue_ns += next();
     }
 
     /// From `status`.
@@ -155,19 +139,15 @@ mod tests {
     fn the_kernels_lines_are_read_by_their_fields() {
         let mut counters = Counters::default();
         counters.add_faults("77 (a ) 9 b) S 1 77 77 0 -1 4194560 1234 11 56 22 300 400 0 0");
-        counters.add_schedule("5000000 70000 12\n");
-        counters.add_schedule("1 2 3\n");
         counters.add_switches(
             "Name:\ta\nvoluntary_ctxt_switches:\t40\nnonvoluntary_ctxt_switches:\t6\n",
         );
         let expected = Counters {
-            pid: 0,
-            processor_ns: 5_000_001,
-            queue_ns: 70_002,
             voluntary: 40,
             involuntary: 6,
             minor_faults: 1234,
             major_faults: 56,
+            ..Counters::default()
         };
         assert_eq!(counters, expected);
     }

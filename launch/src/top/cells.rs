@@ -1,7 +1,8 @@
 //! What stands in the tables, on paper and on a terminal.
 
-use super::view::{CompanionLine, ServiceLine, TopicLine, Usage, View};
+use super::view::{CompanionLine, ServiceLine, TopicLine, View};
 use core::fmt::Write;
+use zeronav_observe::usage::Usage;
 
 /// Headings of the services.
 pub(super) const SERVICE_HEADINGS: [&str; 9] = [

@@ -10,7 +10,6 @@ mod screen;
 mod source;
 mod text;
 mod totals;
-mod usage;
 mod view;
 
 use crate::running::{self, Running};
@@ -23,11 +22,11 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
-use usage::Reading;
 use view::View;
 use zeronav_console::exit::{EXIT_INTERRUPTED, EXIT_PASS};
 use zeronav_console::interrupts::interrupts;
 use zeronav_console::terminal::{note, say, say_json, usage as complain};
+use zeronav_observe::usage::Reading;
 use zeronav_shell::clock::now_ns;
 
 /// Time between two looks in real time; the queues hold several times as much.

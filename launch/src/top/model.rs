@@ -4,10 +4,9 @@
 use super::events::Events;
 use super::latency::Latency;
 use super::totals::Totals;
-use super::usage::Reading;
-use super::view::{CompanionLine, RunLine, ServiceLine, Usage, View};
+use super::view::{CompanionLine, RunLine, ServiceLine, View};
 use crate::control::request::{CompanionReport, RunReport};
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use zeronav_msgs::command::{Intervention, VelocityCommand};
 use zeronav_msgs::header::Header;
 use zeronav_msgs::health::{Health, HealthState, SILENT_AFTER_NS, reason_labels};
@@ -17,10 +16,8 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::task::{EndReason, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
+use zeronav_observe::usage::{Meter, Reading, Usage};
 use zeronav_shell::printable;
-
-/// Time over which the share of a processor is taken. [ns]
-const USAGE_NS: u64 = 2_000_000_000;
 
 /// One message, as far as it is looked into.
 #[derive(Debug, Clone, Copy)]
@@ -66,7 +63,7 @@ pub(super) struct Model {
     latency: Latency,
     events: Events,
     seats: BTreeMap<Role, Seat>,
-    readings: BTreeMap<Whose, VecDeque<Reading>>,
+    meters: BTreeMap<Whose, Meter>,
     /// The last that the stack has said of itself.
     report: RunReport,
     has_report: bool,
@@ -84,7 +81,7 @@ impl Model {
             latency: Latency::default(),
             events: Events::default(),
             seats: BTreeMap::new(),
-            readings: BTreeMap::new(),
+            meters: BTreeMap::new(),
             report: RunReport::default(),
             has_report: false,
             run_ns: 0,
@@ -232,26 +229,13 @@ impl Model {
 
     /// Takes in a reading of a process; `None` when it is gone.
     pub(super) fn read(&mut self, whose: Whose, reading: Option<Reading>) {
-        let Some(reading) = reading else {
-            self.readings.remove(&whose);
-            return;
-        };
-        let readings = self.readings.entry(whose).or_default();
-        if readings.back().is_some_and(|last| last.pid != reading.pid) {
-            readings.clear();
-        }
-        readings.push_back(reading);
-        while let Some(next) = readings.get(1)
-            && reading.at_ns.saturating_sub(next.at_ns) >= USAGE_NS
-        {
-            readings.pop_front();
-        }
+        self.meters.entry(whose).or_default().read(reading);
     }
 
     /// Forgets companions that the stack does not have any more.
     fn forget_companions(&mut self) {
         let companions = &self.report.companions;
-        self.readings.retain(|whose, _| match whose {
+        self.meters.retain(|whose, _| match whose {
             Whose::Companion(name) => companions.iter().any(|companion| companion.name == *name),
             Whose::Seat(_) | Whose::Own => true,
         });
@@ -340,17 +324,8 @@ impl Model {
 
     /// What a process takes by its readings.
     fn usage(&self, whose: &Whose, pid: u32) -> Usage {
-        let readings = self.readings.get(whose);
-        let last = readings
-            .and_then(VecDeque::back)
-            .filter(|last| last.pid == pid);
-        last.map_or_else(
-            || Usage {
-                pid,
-                ..Usage::default()
-            },
-            |last| last.since(readings.and_then(VecDeque::front)),
-        )
+        let nothing = Meter::default();
+        self.meters.get(whose).unwrap_or(&nothing).usage(pid)
     }
 }
 

@@ -68,8 +68,9 @@ fn table<const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::top::view::{CompanionLine, EventLine, RunLine, ServiceLine, TopicLine, Usage};
+    use crate::top::view::{CompanionLine, EventLine, RunLine, ServiceLine, TopicLine};
     use zeronav_measure::result::latency::Figures;
+    use zeronav_observe::usage::Usage;
 
     #[test]
     fn a_sample_is_a_page_of_aligned_text() {

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use zeronav_measure::result::latency::Figures;
+use zeronav_observe::usage::Usage;
 
 /// What is shown of a stack at a moment.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -48,17 +49,6 @@ pub(crate) struct RunLine {
     pub remaining_m: Option<f64>,
     /// Forward speed. [m/s]
     pub v_mps: Option<f64>,
-}
-
-/// What a process takes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub(crate) struct Usage {
-    /// Its process id.
-    pub pid: u32,
-    /// Share of one processor; `None` before two readings. [%]
-    pub cpu_percent: Option<f64>,
-    /// Resident memory; `None` when the process is gone. [bytes]
-    pub memory_bytes: Option<u64>,
 }
 
 /// One service.

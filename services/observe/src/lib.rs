@@ -3,4 +3,5 @@
 //! reads the kernel's counters.
 
 pub mod statistics;
+pub mod usage;
 pub mod way;

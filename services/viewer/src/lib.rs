@@ -29,5 +29,3 @@ mod server;
 mod status;
 #[cfg(feature = "process")]
 mod tap;
-#[cfg(feature = "process")]
-mod usage;

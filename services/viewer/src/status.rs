@@ -2,7 +2,6 @@
 
 use crate::events::Events;
 use crate::hops::{BINS_US, Hops, Taken};
-use crate::usage::{Usage, Usages};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 use zeronav_msgs::command::VelocityCommand;
@@ -16,7 +15,9 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{HealthTopic, health_of};
+use zeronav_observe::usage::{Meter, Reading};
 use zeronav_observe::way::to_us;
+use zeronav_shell::clock::now_ns;
 use zeronav_shell::{Latest, Peer, Roster, StartError};
 
 /// A service whose heart has not beaten for this long is silent.
@@ -57,7 +58,7 @@ struct SeatLine {
     beaten: Option<Instant>,
     epoch: u32,
     restarted: Option<Instant>,
-    usage: Usage,
+    meter: Meter,
     /// Answers since the beginning, and at the last look at them.
     answers: u64,
     before: (u64, Instant),
@@ -68,11 +69,10 @@ struct SeatLine {
 #[derive(Debug)]
 pub(crate) struct Seats {
     lines: Vec<SeatLine>,
-    usages: Usages,
     /// The last look at the heartbeats.
     listened: Instant,
     looked: Option<Instant>,
-    own: Usage,
+    own: Meter,
     hops: Hops,
     /// The guard's newest command.
     pub(crate) command: Option<VelocityCommand>,
@@ -96,7 +96,7 @@ impl Seats {
                 beaten: None,
                 epoch: 0,
                 restarted: None,
-                usage: Usage::default(),
+                meter: Meter::default(),
                 answers: 0,
                 before: (0, Instant::now()),
                 rate_hz: 0.0,
@@ -104,10 +104,9 @@ impl Seats {
         }
         Ok(Self {
             lines,
-            usages: Usages::default(),
             listened: Instant::now(),
             looked: None,
-            own: Usage::default(),
+            own: Meter::default(),
             hops: Hops::default(),
             command: None,
         })
@@ -177,6 +176,7 @@ impl Seats {
     pub(crate) fn report(&mut self, roster: &Roster, watchers: usize) -> Value {
         self.look_at_processes();
         let services: Vec<Value> = self.lines.iter().map(SeatLine::report).collect();
+        let own = self.own.usage(std::process::id());
         json!({
             "paused": roster.control.paused == 1,
             "stopping": roster.control.stopping == 1,
@@ -184,8 +184,8 @@ impl Seats {
             "latency": self.latency(),
             "viewer": {
                 "clients": watchers,
-                "cpu_percent": tenths(self.own.cpu_percent),
-                "memory_bytes": self.own.memory_bytes,
+                "cpu_percent": own.cpu_percent.unwrap_or_default(),
+                "memory_bytes": own.memory_bytes.unwrap_or_default(),
             },
         })
     }
@@ -198,17 +198,13 @@ impl Seats {
             return;
         }
         self.looked = Some(Instant::now());
-        let own = std::process::id();
-        let mut pids = vec![own];
         for line in &mut self.lines {
             if let Some(beat) = line.health.get() {
-                line.usage = self.usages.look(beat.meta.pid).unwrap_or_default();
-                pids.push(beat.meta.pid);
+                line.meter.read(Reading::of(beat.meta.pid, now_ns()));
             }
             line.count_rate();
         }
-        self.own = self.usages.look(own).unwrap_or_default();
-        self.usages.keep(&pids);
+        self.own.read(Reading::of(std::process::id(), now_ns()));
     }
 
     fn latency(&self) -> Value {
@@ -266,6 +262,7 @@ impl SeatLine {
             Some(state) => state.label(),
             None => HealthState::Starting.label(),
         };
+        let usage = self.meter.usage(beat.pid);
         let reasons = REASONS.iter().filter(|(bit, _)| beat.reasons & bit != 0);
         json!({
             "role": self.role.label(),
@@ -274,8 +271,8 @@ impl SeatLine {
             "epoch": self.epoch,
             "restarts": self.epoch.saturating_sub(1),
             "pid": beat.pid,
-            "cpu_percent": tenths(self.usage.cpu_percent),
-            "memory_bytes": self.usage.memory_bytes,
+            "cpu_percent": usage.cpu_percent.unwrap_or_default(),
+            "memory_bytes": usage.memory_bytes.unwrap_or_default(),
             "rate_hz": tenths(self.rate_hz),
             "superseded": beat.superseded,
             "rejected": beat.refused,

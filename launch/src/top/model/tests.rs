@@ -229,5 +229,5 @@ fn companions_come_from_the_stack_with_what_they_take() {
     assert!(!model.pids().iter().any(|(whose, _)| *whose == page()));
     model.report(RunReport::default());
     assert_eq!(model.view(0).companions, []);
-    assert!(!model.readings.contains_key(&page()));
+    assert!(!model.meters.contains_key(&page()));
 }
