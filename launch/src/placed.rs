@@ -1,8 +1,8 @@
 //! Obstacles that clients put into the simulated world while a stack runs.
 
-use crate::control::request::ObstacleChange;
 use zeronav_msgs::Pose;
 use zeronav_msgs::truth::{Placement, SIZE_M_MAX, TRUTH_OBSTACLES_MAX};
+use zeronav_observe::control::ObstacleChange;
 use zeronav_world::ShapeSpec;
 use zeronav_world::error::number;
 

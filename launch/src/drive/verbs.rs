@@ -2,7 +2,6 @@
 
 use super::pace::{Pace, SPEEDS};
 use super::session::Session;
-use crate::control::request::ObstacleChange;
 use crate::ending::Ending;
 use crate::orders::Order;
 use crate::placed::shape_of;
@@ -14,6 +13,7 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::truth::Placement;
+use zeronav_observe::control::ObstacleChange;
 use zeronav_supervise::stack::Stack;
 use zeronav_world::Shape;
 

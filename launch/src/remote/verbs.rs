@@ -7,7 +7,7 @@ use super::cli::{
 use super::goal::follow;
 use super::ps::processes;
 use super::swap::in_words as swap_in_words;
-use crate::control::request::{ObstacleChange, Request, RunReport};
+use crate::control::request::{Request, RunReport};
 use crate::running::{self, Running};
 use core::fmt::Write;
 use serde_json::json;
@@ -15,6 +15,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::terminal::{complain, say, say_json, usage};
+use zeronav_observe::control::ObstacleChange;
 
 /// Between two looks at a stack that is waited for.
 const PAUSE: Duration = Duration::from_millis(50);

@@ -2,6 +2,7 @@
 //! result of a run all ask here, so that they say the same of the same moment. Pure but for [`usage`], which
 //! reads the kernel's counters.
 
+pub mod control;
 pub mod statistics;
 pub mod usage;
 pub mod way;

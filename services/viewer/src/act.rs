@@ -2,48 +2,50 @@
 //! they are. Launch checks what they say.
 
 use serde_json::{Map, Value, json};
+use zeronav_observe::control::Request;
 use zeronav_shell::control;
 use zeronav_shell::folder::Folder;
 
-/// The commands that go on, with the keys that they may have.
-const COMMANDS: [(&str, &[&str]); 13] = [
-    ("goal", &["goals", "repeats", "time_limit_s", "now"]),
-    ("cancel", &["id"]),
-    ("pause", &[]),
-    ("resume", &[]),
-    ("step", &["ticks"]),
-    ("speed", &["factor"]),
-    ("pose", &["pose"]),
-    ("obstacle", &["name", "change"]),
-    ("fault", &["fault"]),
-    ("heal", &["target"]),
-    ("swap", &["order"]),
-    ("swap_status", &["id"]),
-    ("swap_cancel", &[]),
-];
+/// A request of the page: what launch checks goes on as it came.
+type Asked = Request<Value, Value, Value>;
+
+/// Whether the page may ask for this.
+const fn is_listed(asked: &Asked) -> bool {
+    match asked {
+        Request::Goal { .. }
+        | Request::Cancel { .. }
+        | Request::Pause
+        | Request::Resume
+        | Request::Step { .. }
+        | Request::Speed { .. }
+        | Request::Pose { .. }
+        | Request::Obstacle { .. }
+        | Request::Fault { .. }
+        | Request::Heal { .. }
+        | Request::Swap { .. }
+        | Request::SwapStatus { .. }
+        | Request::SwapCancel => true,
+        Request::Ps | Request::GoalStatus { .. } | Request::Why { .. } | Request::Down => false,
+    }
+}
 
 /// The line for launch that a request of the page stands for.
 ///
 /// # Errors
 /// What is wrong with it, in one line.
 pub(crate) fn line_of(body: &[u8]) -> Result<String, String> {
-    let request: Map<String, Value> =
-        serde_json::from_slice(body).map_err(|error| format!("not a request: {error}"))?;
-    let command = request.get("command").and_then(Value::as_str);
-    let command = command.ok_or("a request names its command")?;
-    let known = COMMANDS.iter().find(|(name, _)| *name == command);
-    let Some((_, keys)) = known else {
-        let names: Vec<&str> = COMMANDS.iter().map(|(name, _)| *name).collect();
-        return Err(format!("the page can ask for {}", names.join(", ")));
-    };
-    let foreign = request
-        .keys()
-        .find(|key| *key != "command" && !keys.contains(&key.as_str()));
-    if let Some(key) = foreign {
-        return Err(format!("{command} has no key {key:?}"));
-    }
+    let wrong = |error: serde_json::Error| format!("not a request: {error}");
+    let given: Map<String, Value> = serde_json::from_slice(body).map_err(wrong)?;
+    let asked: Asked = serde_json::from_value(Value::Object(given.clone())).map_err(wrong)?;
     // Written anew: on one line, whatever came.
-    Ok(Value::Object(request).to_string())
+    let line = serde_json::to_value(&asked).map_err(wrong)?;
+    if !is_listed(&asked) {
+        return Err(format!("the page cannot ask for {}", line["command"]));
+    }
+    match given.keys().find(|key| line.get(key.as_str()).is_none()) {
+        Some(key) => Err(format!("{} has no key {key:?}", line["command"])),
+        None => Ok(line.to_string()),
+    }
 }
 
 /// Asks launch; its answer, or an error in the same form.
@@ -58,7 +60,7 @@ pub(crate) fn ask(folder: &Folder, line: &str) -> Value {
 
 /// What launch says of its run; `None` when it does not answer.
 pub(crate) fn report(folder: &Folder) -> Option<Value> {
-    let mut answer = ask(folder, r#"{"command":"ps"}"#);
+    let mut answer = ask(folder, &serde_json::to_string(&Asked::Ps).ok()?);
     answer.get_mut("run").map(Value::take)
 }
 
@@ -70,11 +72,16 @@ mod tests {
     fn only_listed_requests_go_on_and_on_one_line() {
         let good = line_of(b"{\"command\":\n \"step\", \"ticks\": 5}").expect("a request");
         assert_eq!(good, r#"{"command":"step","ticks":5}"#);
-        let wrong: [(&[u8], &str); 6] = [
-            (b"{\"command\":\"down\"}", "the page can ask for goal"),
-            (b"{\"command\":\"ps\"}", "the page can ask for goal"),
-            (b"{\"command\":\"pause\",\"x\":1}", "pause has no key"),
-            (b"{\"x\":1}", "names its command"),
+        let wrong: [(&[u8], &str); 8] = [
+            (b"{\"command\":\"down\"}", "the page cannot ask for"),
+            (b"{\"command\":\"ps\"}", "the page cannot ask for"),
+            (b"{\"command\":\"pause\",\"x\":1}", "\"pause\" has no key"),
+            (b"{\"x\":1}", "command"),
+            (
+                b"{\"command\":\"step\",\"ticks\":5,\"x\":1}",
+                "unknown field",
+            ),
+            (b"{\"command\":\"jump\"}", "unknown variant"),
             (b"[1]", "not a request"),
             (b"\xff\n", "not a request"),
         ];

@@ -285,7 +285,7 @@ fn only_the_page_with_the_token_may_act() {
     // What is not on the list, and what launch does not accept.
     let (status, said) = act(&host, &token, "", r#"{"command":"down"}"#);
     assert_eq!(
-        (status, said.contains("can ask for")),
+        (status, said.contains("cannot ask for")),
         (400, true),
         "{said}"
     );
