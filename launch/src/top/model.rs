@@ -9,13 +9,14 @@ use crate::control::request::{CompanionReport, RunReport};
 use std::collections::BTreeMap;
 use zeronav_msgs::command::{Intervention, VelocityCommand};
 use zeronav_msgs::header::Header;
-use zeronav_msgs::health::{Health, HealthState, SILENT_AFTER_NS, reason_labels};
+use zeronav_msgs::health::{Health, HealthState};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 use zeronav_msgs::task::{EndReason, TaskState, TaskStatus};
 use zeronav_msgs::time::seconds;
+use zeronav_observe::health::Heart;
 use zeronav_observe::usage::{Meter, Reading, Usage};
 use zeronav_shell::printable;
 
@@ -47,22 +48,13 @@ pub(super) enum Whose {
     Own,
 }
 
-/// What is known of one seat.
-#[derive(Debug, Default)]
-struct Seat {
-    beat: Health,
-    /// Of the process that has beaten; 0 = none.
-    epoch: u32,
-    beaten_ns: u64,
-}
-
 /// What is known of a stack.
 #[derive(Debug)]
 pub(super) struct Model {
     totals: Totals,
     latency: Latency,
     events: Events,
-    seats: BTreeMap<Role, Seat>,
+    hearts: BTreeMap<Role, Heart>,
     meters: BTreeMap<Whose, Meter>,
     /// The last that the stack has said of itself.
     report: RunReport,
@@ -80,7 +72,7 @@ impl Model {
             totals: Totals::new(topics),
             latency: Latency::default(),
             events: Events::default(),
-            seats: BTreeMap::new(),
+            hearts: BTreeMap::new(),
             meters: BTreeMap::new(),
             report: RunReport::default(),
             has_report: false,
@@ -127,22 +119,21 @@ impl Model {
         let Some(role) = header.role() else {
             return;
         };
-        let seat = self.seats.entry(role).or_default();
-        let epoch = header.id().epoch();
-        let (was, is) = (seat.beat.state(), beat.state());
-        if seat.epoch != 0 && seat.epoch != epoch {
-            let text = format!("{role}: epoch {} after {}", epoch, seat.epoch);
+        let heart = Heart::of(header, beat);
+        let before = core::mem::replace(self.hearts.entry(role).or_default(), heart);
+        let (was, is) = (before.beat.state(), beat.state());
+        if before.epoch != 0 && before.epoch != heart.epoch {
+            let text = format!("{role}: epoch {} after {}", heart.epoch, before.epoch);
             self.events.add(self.run_ns, "state", text);
-        } else if seat.epoch == epoch && (was != is || seat.beat.reasons != beat.reasons) {
-            let reasons = reason_labels(beat.reasons).join(", ");
+        } else if before.epoch == heart.epoch && (was != is || before.beat.reasons != beat.reasons)
+        {
+            let reasons = heart.reasons().join(", ");
             let mut text = format!("{role}: {}", is.map_or("unknown", HealthState::label));
             if !reasons.is_empty() {
                 text = format!("{text} ({reasons})");
             }
             self.events.add(self.run_ns, "state", text);
         }
-        (seat.beat, seat.epoch) = (*beat, epoch);
-        seat.beaten_ns = header.stamps.published_ns;
     }
 
     fn path(&mut self, header: &Header, path: &Path) {
@@ -219,7 +210,8 @@ impl Model {
 
     /// Processes that are to be read.
     pub(super) fn pids(&self) -> Vec<(Whose, u32)> {
-        let seats = (self.seats.iter()).map(|(role, seat)| (Whose::Seat(*role), seat.beat.pid));
+        let hearts = self.hearts.iter();
+        let seats = hearts.map(|(role, heart)| (Whose::Seat(*role), heart.beat.pid));
         let companions = (self.report.companions.iter())
             .filter(|companion| companion.pid != 0)
             .map(|companion| (Whose::Companion(companion.name.clone()), companion.pid));
@@ -285,15 +277,8 @@ impl Model {
     }
 
     fn service(&self, role: Role, now_ns: u64) -> ServiceLine {
-        let nothing = Seat::default();
-        let seat = self.seats.get(&role).unwrap_or(&nothing);
-        let beat = &seat.beat;
-        let state = match beat.state() {
-            _ if seat.epoch == 0 => "absent",
-            _ if seat.beaten_ns.saturating_add(SILENT_AFTER_NS) < now_ns => "silent",
-            Some(state) => state.label(),
-            None => "unknown",
-        };
+        let heart = self.hearts.get(&role).copied().unwrap_or_default();
+        let beat = &heart.beat;
         let services = self.report.services.iter();
         let of_seat = || services.clone().filter(|it| it.role == role.label());
         let restarts = of_seat().map(|service| service.restarts).max();
@@ -301,13 +286,13 @@ impl Model {
         ServiceLine {
             role: role.label(),
             host: host.map(|host| printable(host).into_owned()),
-            epoch: seat.epoch,
+            epoch: heart.epoch,
             restarts: restarts.filter(|_| self.has_report),
-            state,
+            state: heart.condition(now_ns).label(),
             usage: self.usage(&Whose::Seat(role), beat.pid),
             rejected: beat.refused,
             superseded: beat.superseded,
-            reasons: reason_labels(beat.reasons),
+            reasons: heart.reasons(),
         }
     }
 

@@ -7,15 +7,13 @@ use crate::running::Running;
 use crate::topics::tap::{PAUSE, Tap};
 use std::time::{Duration, Instant};
 use zeronav_measure::result::moment::{Command, Moment, Obstacle, Path, Request};
-use zeronav_msgs::health::{
-    HealthState, REASON_CLOCK, REASON_LINK, REASON_ODOMETRY, REASON_PUBLISHERS, REASON_SCAN,
-    REASON_TRANSFORM, SILENT_AFTER_NS,
-};
+use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
     ControlRequest, HealthTopic, MapObstacles, PlanPath, RobotCommand, health_of,
 };
+use zeronav_observe::health::{Condition, Heart};
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::{Latest, Peer, Roster, StartError, printable};
 
@@ -102,64 +100,30 @@ impl Readers {
 
     /// Services that do not answer.
     fn silent(&self, now_ns: u64) -> Vec<Missing> {
-        let how = |health: &Latest<HealthTopic>| match health.get() {
-            None => Some("has not answered yet"),
-            Some(view)
-                if view
-                    .header
-                    .stamps
-                    .published_ns
-                    .saturating_add(SILENT_AFTER_NS)
-                    < now_ns =>
-            {
-                Some("does not answer any more")
-            }
-            Some(view) if view.meta.state() == Some(HealthState::Starting) => Some("is starting"),
-            Some(_) => None,
-        };
-        let troubled = |role: Role, health: &Latest<HealthTopic>| {
-            let reasons = health.get().map(|view| view.meta.reasons)?;
-            trouble(reasons).filter(|_| role == Role::Robot)
-        };
-        // The link says that a process lives while the way to it is cut.
-        let cut = |health: &Latest<HealthTopic>| {
-            let reasons = health.get().map(|view| view.meta.reasons)?;
-            (reasons & REASON_LINK != 0).then_some(CUT)
+        let heart = |health: &Latest<HealthTopic>| {
+            let view = health.get();
+            view.map_or_else(Heart::default, |view| Heart::of(view.header, view.meta))
         };
         let all = self.health.iter();
-        all.filter_map(|(role, health)| {
-            let how = how(health)
-                .or_else(|| cut(health))
-                .or_else(|| troubled(*role, health))?;
-            Some(Missing {
-                role: role.to_string(),
-                how: how.to_owned(),
-            })
-        })
-        .collect()
+        all.filter_map(|(role, health)| missing(*role, &heart(health), now_ns))
+            .collect()
     }
 }
 
-/// What a robot that is no simulation stands for, by its heartbeat.
-fn trouble(reasons: u32) -> Option<&'static str> {
-    let words = [
-        (
-            REASON_PUBLISHERS,
-            "is told by two nodes, which both publish scans or odometry, and stands",
-        ),
-        (
-            REASON_CLOCK,
-            "has a clock that was set or stands still, and stands",
-        ),
-        (
-            REASON_TRANSFORM,
-            "sends no transforms that say where its lidar is, and stands",
-        ),
-        (REASON_ODOMETRY, "sends no odometry, and stands"),
-        (REASON_SCAN, "sends no scans, and stands"),
-    ];
-    let named = words.iter().find(|(bit, _)| reasons & bit != 0);
-    named.map(|(_, words)| *words)
+/// How the process in a seat does not answer at a moment, or why it makes the robot stand; `None` when it does
+/// neither.
+pub(crate) fn missing(role: Role, heart: &Heart, now_ns: u64) -> Option<Missing> {
+    let how = match heart.condition(now_ns) {
+        Condition::Absent => "has not answered yet",
+        Condition::Silent => "does not answer any more",
+        Condition::Beats(Some(HealthState::Starting)) => "is starting",
+        Condition::Beats(_) if heart.is_cut() => CUT,
+        Condition::Beats(_) => heart.stands(role)?,
+    };
+    Some(Missing {
+        role: role.to_string(),
+        how: how.to_owned(),
+    })
 }
 
 /// What holds now.
@@ -244,19 +208,5 @@ fn add(around: &mut Around, report: &RunReport) {
             let fault = format!("{} {} {}", fault.kind, fault.target, fault.figures);
             around.faults.push(fault.trim_end().to_owned());
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_worst_trouble_of_a_robot_is_named() {
-        assert_eq!(trouble(0), None);
-        let said = trouble(REASON_TRANSFORM | REASON_PUBLISHERS).expect("two troubles");
-        assert!(said.contains("two nodes"), "{said}");
-        let said = trouble(REASON_TRANSFORM).expect("a trouble");
-        assert!(said.contains("where its lidar is"), "{said}");
     }
 }

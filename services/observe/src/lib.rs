@@ -3,6 +3,7 @@
 //! reads the kernel's counters.
 
 pub mod control;
+pub mod health;
 pub mod statistics;
 pub mod usage;
 pub mod way;

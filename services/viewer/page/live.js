@@ -148,10 +148,15 @@
     refresh: () => { by("services").tBodies[0].dataset.open = "?"; if (status) showStatus(); },
   });
 
+  /** Whether nothing is heard of the process in a seat. */
+  function is_silent(service) {
+    return ["absent", "silent"].includes(service.state);
+  }
+
   /** How the stack is as a whole, and what can be done about run time. */
   function showLink() {
     if (!status || over) return;
-    const silent = status.services.filter((service) => service.state === "silent").map((service) => service.role);
+    const silent = status.services.filter((service) => is_silent(service)).map((service) => service.role);
     if (status.stopping) pill(by("link"), "stopping", "warn");
     else if (is_held()) pill(by("link"), "paused", "warn");
     else if (silent.length) pill(by("link"), `${silent.join(", ")} silent`, "bad");
@@ -161,7 +166,6 @@
   }
 
   function showStatus() {
-    const words = { silent: "silent", restarted: "restarted" };
     showLink();
     showActs();
     const body = by("services").tBodies[0];
@@ -169,7 +173,7 @@
     for (const service of status.services) {
       const row = by(`seat-${service.role}`);
       if (!row) continue;
-      const words_of_state = [words[service.state] || service.state, ...service.reasons].join(", ");
+      const words_of_state = [service.state, ...service.reasons].join(", ");
       const cells = [
         service.rate_hz.toFixed(0), service.cpu_percent.toFixed(1), (service.memory_bytes / 1e6).toFixed(1),
         short(service.superseded), short(service.restarts),

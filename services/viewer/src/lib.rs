@@ -15,8 +15,8 @@ mod events;
 mod feed;
 #[cfg(feature = "process")]
 mod handover;
-#[cfg(feature = "process")]
 mod hops;
+pub mod model;
 pub mod page;
 #[cfg(feature = "process")]
 mod places;

@@ -210,16 +210,16 @@ impl Tap {
         }
         ports.commands.drain(roster, |command| {
             events.command(command.meta.intervention(), command.header.run_ns);
-            seats.command(command.meta);
+            seats.command = Some(*command.meta);
         });
         let path = &mut self.path;
         ports.paths.drain(roster, |view| {
             if events.path(view.meta) {
                 *path = Some(ScenePath::of(view.meta, view.items));
-                seats.new_path(view.header.id());
+                seats.model.new_path(view.header.id());
             }
         });
-        ports.spans.drain(|span| seats.record(span));
+        ports.spans.drain(|span| seats.model.record(span));
         seats.settle(events);
         seats.listen(roster, events);
     }

@@ -3,7 +3,7 @@ use crate::control::request::{CompanionReport, ServiceReport};
 use zeronav_measure::result::Restart;
 use zeronav_measure::result::fault::FaultResult;
 use zeronav_msgs::header::Id;
-use zeronav_msgs::health::{REASON_MAP, REASON_SCAN};
+use zeronav_msgs::health::{REASON_MAP, REASON_SCAN, SILENT_AFTER_NS};
 use zeronav_msgs::path::Waypoint;
 
 const S: u64 = 1_000_000_000;
