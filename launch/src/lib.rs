@@ -54,6 +54,8 @@ pub mod replay;
 pub mod report;
 mod run_plan;
 mod running;
+#[cfg(test)]
+mod same_moment;
 mod seat_report;
 pub mod show;
 mod shuttle;

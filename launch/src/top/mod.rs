@@ -5,7 +5,7 @@ pub mod cli;
 mod draw;
 mod events;
 mod latency;
-mod model;
+pub(crate) mod model;
 mod screen;
 mod source;
 mod text;

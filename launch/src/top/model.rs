@@ -22,7 +22,7 @@ use zeronav_shell::printable;
 
 /// One message, as far as it is looked into.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Heard {
+pub(crate) enum Heard {
     /// A heartbeat.
     Beat(Header, Health),
     /// A path, new or repeated.
@@ -50,7 +50,7 @@ pub(super) enum Whose {
 
 /// What is known of a stack.
 #[derive(Debug)]
-pub(super) struct Model {
+pub(crate) struct Model {
     totals: Totals,
     latency: Latency,
     events: Events,
@@ -67,7 +67,7 @@ pub(super) struct Model {
 
 impl Model {
     /// Nothing is known of a stack with these topics yet.
-    pub(super) fn new(topics: Vec<&'static str>, is_lockstep: bool) -> Self {
+    pub(crate) fn new(topics: Vec<&'static str>, is_lockstep: bool) -> Self {
         Self {
             totals: Totals::new(topics),
             latency: Latency::default(),
@@ -89,7 +89,7 @@ impl Model {
     }
 
     /// Looks into a message.
-    pub(super) fn hear(&mut self, heard: &Heard) {
+    pub(crate) fn hear(&mut self, heard: &Heard) {
         match heard {
             Heard::Beat(header, beat) => self.beat(header, beat),
             Heard::Path(header, path) => self.path(header, path),
@@ -109,7 +109,7 @@ impl Model {
     }
 
     /// Takes in a record; in lockstep there are no latencies.
-    pub(super) fn span(&mut self, span: &Span) {
+    pub(crate) fn span(&mut self, span: &Span) {
         if !self.is_lockstep {
             self.latency.span(span);
         }
@@ -234,7 +234,7 @@ impl Model {
     }
 
     /// Brings rates and latencies up to this moment. [ns]
-    pub(super) fn refresh(&mut self, now_ns: u64) {
+    pub(crate) fn refresh(&mut self, now_ns: u64) {
         self.totals.mark(now_ns);
         if !self.is_lockstep {
             self.latency.refresh(now_ns);
@@ -242,7 +242,7 @@ impl Model {
     }
 
     /// What is shown at this moment. [ns]
-    pub(super) fn view(&self, now_ns: u64) -> View {
+    pub(crate) fn view(&self, now_ns: u64) -> View {
         let services = Role::SERVICES.map(|role| self.service(role, now_ns));
         View {
             run: self.run(),

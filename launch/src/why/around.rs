@@ -15,7 +15,7 @@ pub(super) struct Around {
 
 /// A service that does not answer.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Missing {
+pub(crate) struct Missing {
     /// Its seat.
     pub role: String,
     /// How its process ended and when, or that it only does not answer.

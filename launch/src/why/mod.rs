@@ -2,7 +2,7 @@
 
 mod around;
 pub mod cli;
-mod live;
+pub(crate) mod live;
 mod past;
 mod sentence;
 

@@ -96,6 +96,8 @@ pub(crate) struct Hops {
     answers: Recent<(u16, u64), Span>,
     /// The robot's, by scan.
     scans: Recent<u64, Span>,
+    /// When the first request was begun that followed a path. [ns]
+    driving_ns: Option<u64>,
     /// Newest scan with a reaction.
     reacted: u64,
     /// Of the newest scans; `None` where records that it rests on were lost. [ns]
@@ -141,6 +143,9 @@ impl Hops {
                 }
                 if span.output != 0 {
                     self.answers.insert((span.role, span.output), *span);
+                }
+                if role == Role::LocalPlanner && span.path != 0 {
+                    self.driving_ns.get_or_insert(span.started_ns);
                 }
                 if role == Role::CollisionGuard && self.commands[0].len() < KEPT {
                     self.commands[0].push(*span);
@@ -223,6 +228,14 @@ impl Hops {
         let (scan, Some(robot)) = (local.scan, self.scans.get(local.scan)) else {
             return;
         };
+        if self
+            .driving_ns
+            .is_none_or(|from_ns| robot.capture_ns < from_ns)
+        {
+            // As in results: reactions are those of scans that came while a path was followed.
+            (self.reacted, self.n_lost_before) = (scan, self.n_lost);
+            return;
+        }
         let is_first = self.is_first_on_its_scan(guard) == Some(true);
         let reaction_ns = guard.published_ns.saturating_sub(robot.capture_ns);
         let is_measured = is_first.then_some(reaction_ns);
