@@ -2,6 +2,7 @@
 
 use crate::clearance::CLEARANCE_CELLS_MAX;
 use crate::error::MappingError;
+use crate::localisation::LocalisationConfig;
 use crate::localiser::CorrectionConfig;
 use crate::log_odds::LogOdds;
 use crate::regularise::RegularisationConfig;
@@ -53,6 +54,8 @@ parameters! {
         tracking: TrackingConfig;
         /// How `map_from_odom` is corrected.
         pose_correction: CorrectionConfig;
+        /// Where the robot begins, and when it counts as lost.
+        localisation: LocalisationConfig;
         /// Obstacle groups on the way that become rectangles.
         regularisation: RegularisationConfig;
         /// Free cells that are not to be used.

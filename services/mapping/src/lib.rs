@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | deskew | [`beams`] | beams in `base` at the time of capture |
 //! | localise | [`localiser`]; `scan_odometry`, `near_points`, `slip`: against a key scan; `scan_match`, `hit_means`, `scan_search`, `surface_candidates`: against the map; `pose_error` | `map_from_odom` with its covariance |
+//! | relocalise | `lost`, `explained`: whether the robot is lost; `relocaliser`, `global_search`, `search_map`: where on the map it is; [`localisation`] | the pose of a robot that did not know it |
 //! | track | [`tracker`]; `clusters`, `fit`, `form`: what was seen; `track`, `kalman`: what is known of it; `past_scans`: whether it moved; `told`: what the simulator says instead | dynamic obstacles |
 //! | decide | `belief`, `log_odds`, `flips`; `located_scan`, [`ray`], `free_blocks`: which cells beams pass; `isolated`: false returns; `outline`: the cells under the robot | which cells are obstacles |
 //! | measure | [`clearance`]; `cell_value`: costs | clearance and cost of every cell |
@@ -27,16 +28,20 @@ pub mod clearance;
 mod clusters;
 mod config;
 mod error;
+mod explained;
 mod fit;
 mod flips;
 mod form;
 mod free_blocks;
+mod global_search;
 mod hit_means;
 mod isolated;
 mod kalman;
+pub mod localisation;
 pub mod localiser;
 mod located_scan;
 mod log_odds;
+mod lost;
 mod mapper;
 mod mapping;
 mod moved;
@@ -46,10 +51,12 @@ mod past_scans;
 mod pose_error;
 pub mod ray;
 pub mod regularise;
+mod relocaliser;
 mod rows_around;
 mod scan_match;
 mod scan_odometry;
 mod scan_search;
+mod search_map;
 mod slip;
 mod surface_candidates;
 mod tiles;
@@ -65,5 +72,6 @@ pub use flips::Integrated;
 pub use log_odds::LogOdds;
 pub use mapper::Mapper;
 pub use mapping::{Mapping, Observation};
+pub use relocaliser::Sought;
 pub use tiles::{TileIndex, all_tiles};
 pub use told::Told;

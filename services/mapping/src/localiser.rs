@@ -2,7 +2,7 @@
 
 use crate::moved::{Basis, Moved};
 use crate::pose_error::{CEILING, limit, swing, turned};
-use crate::scan_match::Surfaces;
+use crate::scan_match::{Match, Surfaces};
 use crate::scan_odometry::ScanOdometry;
 use crate::slip::Ends;
 use nalgebra::{Matrix3, Point2, Vector3};
@@ -49,6 +49,9 @@ const UNKNOWN: (f64, f64) = (0.1, 0.15);
 /// Standard deviations of an uncertain pose beyond the motion of which nothing is known, as shares of
 /// those from which on readers must not rely on it.
 const UNCERTAIN: f64 = 1.01;
+
+/// Deviations of the pose of a lost robot, which may be anywhere. [m, rad]
+const LOST: (f64, f64) = (10.0, 3.2);
 
 /// How far beyond the motion of which nothing is known the scan is looked for on the map. [m, rad]
 const BEYOND: (f64, f64) = (0.3, 0.2);
@@ -106,16 +109,19 @@ pub struct Localiser {
     has_jumped: bool,
     /// Motion of which nothing is known since the scan lay on the map. [m, rad]
     unknown: (f64, f64),
+    /// The robot may be anywhere.
+    lost: bool,
     active: bool,
 }
 
 impl Localiser {
-    /// `odom` is `map`, for a robot that drives and turns as fast as this [m/s, rad/s]; 0 = not known.
+    /// Odometry begins at `map_from_odom`, for a robot that drives and turns as fast as this [m/s, rad/s]; 0 = not
+    /// known.
     #[must_use]
-    pub fn new(config: &CorrectionConfig, fastest: (f64, f64)) -> Self {
+    pub fn new(config: &CorrectionConfig, fastest: (f64, f64), map_from_odom: Pose) -> Self {
         Self {
             config: *config,
-            map_from_odom: Pose::default(),
+            map_from_odom,
             map_from_base: Pose::default(),
             covariance: Matrix3::zeros(),
             drift: Matrix3::zeros(),
@@ -129,6 +135,7 @@ impl Localiser {
             fastest,
             has_jumped: false,
             unknown: (0.0, 0.0),
+            lost: false,
             active: false,
         }
     }
@@ -140,6 +147,7 @@ impl Localiser {
         self.map_from_odom = map_from_odom;
         self.covariance = Matrix3::new(xx, xy, xw, xy, yy, yw, xw, yw, ww);
         self.unknown = (0.0, 0.0);
+        self.lost = xx.max(yy) >= LOST.0.powi(2);
         if xx.max(yy) >= POSE_SIGMA_M_MAX.powi(2) || ww >= POSE_SIGMA_RAD_MAX.powi(2) {
             self.unknown = (xx.max(yy).sqrt(), ww.sqrt());
         }
@@ -178,11 +186,11 @@ impl Localiser {
         }
     }
 
-    /// True while the robot does not know where it is: the scans have contradicted odometry, told no
+    /// True while the robot does not know where it is: it is lost, or the scans have contradicted odometry, told no
     /// motion, and did not lie on the map since.
     #[must_use]
     pub fn is_uncertain(&self) -> bool {
-        self.unknown.0 > UNKNOWN.0 || self.unknown.1 > UNKNOWN.1
+        self.lost || self.unknown.0 > UNKNOWN.0 || self.unknown.1 > UNKNOWN.1
     }
 
     /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad] On a map of its own
@@ -191,7 +199,10 @@ impl Localiser {
     #[must_use]
     pub fn covariance(&self) -> [f64; 6] {
         let mut c = self.drift;
-        if self.is_uncertain() {
+        if self.lost {
+            let most = Vector3::new(LOST.0, LOST.0, LOST.1);
+            c = Matrix3::from_diagonal(&most.component_mul(&most));
+        } else if self.is_uncertain() {
             let place_m = self.unknown.0 + UNCERTAIN * POSE_SIGMA_M_MAX;
             let yaw_rad = self.unknown.1 + UNCERTAIN * POSE_SIGMA_RAD_MAX;
             let most = Vector3::new(place_m, place_m, yaw_rad);
@@ -231,6 +242,25 @@ impl Localiser {
             self.drift = self.covariance;
         }
         self.unknown = (0.0, 0.0);
+        self.lost = false;
+    }
+
+    /// The robot may be anywhere: until it is found its pose only tells how it has moved.
+    pub(crate) fn lose(&mut self) {
+        self.lost = true;
+    }
+
+    /// The robot was found: where it is at the last scan, by `odom_from_base`.
+    pub(crate) fn find(&mut self, found: &Match, odom_from_base: &Pose) {
+        let base_from_odom = odom_from_base.isometry().inverse();
+        let map_from_odom = Pose::from(found.pose.isometry() * base_from_odom);
+        self.relocate(map_from_odom, odom_from_base);
+        self.last_odom_from_base = Some(*odom_from_base);
+        if self.active {
+            self.covariance = found.covariance;
+            limit(&mut self.covariance, CEILING);
+            self.drift = self.covariance;
+        }
     }
 
     /// Takes in where odometry says the robot is. The covariance of its step since the last scan; `None` at the
@@ -371,7 +401,9 @@ impl Localiser {
         let mut pose = self.map_from_base;
         let is_sure = self.unknown == (0.0, 0.0);
         let reach = (self.unknown.0 + BEYOND.0, self.unknown.1 + BEYOND.1);
-        let matched = if is_sure {
+        let matched = if self.lost {
+            None
+        } else if is_sure {
             surfaces.lay(known, &pose, &self.covariance, is_static)
         } else {
             surfaces.find(standing, &pose, reach, is_mapped)

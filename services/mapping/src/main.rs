@@ -175,6 +175,7 @@ impl MappingService {
         };
         shell.finish(&draft, sent, work);
         let (map_from_odom, _) = mapping.map_from_odom();
+        self.log.log_sought(due.tick, mapping.sought());
         self.log
             .log(due.tick, draft.run_ns, &map_from_odom, n_obstacles);
     }

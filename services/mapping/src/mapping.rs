@@ -5,11 +5,13 @@ use crate::beams::{Beam, Beams, End, Sweep};
 use crate::config::MappingConfig;
 use crate::error::MappingError;
 use crate::flips::Integrated;
+use crate::localisation::StartPose;
 use crate::localiser::{Localiser, OdometryAt};
 use crate::located_scan::LocatedScan;
 use crate::mapper::Mapper;
 use crate::moved::Basis;
 use crate::outline::Outline;
+use crate::relocaliser::{Relocaliser, Sight, Sought, Step};
 use crate::slip::Ends;
 use crate::told::Told;
 use crate::tracker::{ScanView, Tracker};
@@ -60,6 +62,8 @@ pub struct Mapping {
     outline: Outline,
     mapper: Mapper,
     localiser: Localiser,
+    /// On a fixed static map on which the pose is corrected.
+    relocaliser: Option<Relocaliser>,
     tracker: Tracker,
     /// The current scan, in `base` at its capture.
     beams: Beams,
@@ -89,15 +93,26 @@ impl Mapping {
         description: &Description,
         corners: &[Corner],
     ) -> Result<Self, MappingError> {
+        let mut localiser = Localiser::new(
+            &config.pose_correction,
+            (description.v_mps_max, description.w_radps_max),
+            {
+                let [x_m, y_m, yaw_rad] = config.localisation.map_from_odom;
+                Pose::new(x_m, y_m, yaw_rad)
+            },
+        );
+        let room_m = description.inscribed_radius_m;
+        let relocaliser = Relocaliser::of(config, static_map.is_some(), room_m)?;
+        if config.localisation.start == StartPose::Unknown {
+            localiser.lose();
+        }
         Ok(Self {
             has_static_map: static_map.is_some(),
             base_from_laser: description.base_from_laser,
             outline: Outline::new(description, corners),
             mapper: Mapper::new(config, static_map, description)?,
-            localiser: Localiser::new(
-                &config.pose_correction,
-                (description.v_mps_max, description.w_radps_max),
-            ),
+            localiser,
+            relocaliser,
             last_ns: 0,
             tracker: Tracker::new(&config.tracking),
             beams: Beams::default(),
@@ -128,6 +143,9 @@ impl Mapping {
     /// static map there is nothing else to go by: the map stays, and the robot is put on it.
     pub fn relocate(&mut self, map_from_odom: Pose, next: &Observation<'_>) {
         self.localiser.relocate(map_from_odom, &next.odom_from_base);
+        if let Some(relocaliser) = &mut self.relocaliser {
+            relocaliser.restart();
+        }
         self.tracker.restart();
         if self.has_static_map {
             self.mapper.forget_sensed();
@@ -146,6 +164,7 @@ impl Mapping {
         if self.localiser.is_active(&observation.odometry_variance) || self.localiser.watches() {
             self.localise(observation);
         }
+        self.relocalise(observation);
         self.last_ns = observation.run_ns;
         let map_from_base = self.localiser.map_from_base(odom_from_base);
         self.follow_window(map_from_base.point());
@@ -258,6 +277,34 @@ impl Mapping {
         }
     }
 
+    /// Whether the robot is lost, and where on the static map it is then.
+    fn relocalise(&mut self, observation: &Observation<'_>) {
+        let odom_from_base = &observation.odom_from_base;
+        let (tracker, run_ns) = (&self.tracker, observation.run_ns);
+        if self.localiser.is_uncertain() {
+            self.mapper.make_surfaces();
+        }
+        let Some(relocaliser) = &mut self.relocaliser else {
+            return;
+        };
+        let sight = Sight {
+            beams: self.beams.as_slice(),
+            mapper: &self.mapper,
+            map_from_base: self.localiser.map_from_base(odom_from_base),
+            run_ns,
+            is_uncertain: self.localiser.is_uncertain(),
+        };
+        let step = relocaliser.follow(&sight, |point| !tracker.is_restless_at(point, run_ns));
+        match &step {
+            Step::Nothing => return,
+            Step::Lost => self.localiser.lose(),
+            Step::Found(found) => self.localiser.find(found, odom_from_base),
+        }
+        // What was seen meanwhile was seen from elsewhere.
+        self.tracker.restart();
+        self.mapper.forget_sensed();
+    }
+
     /// True when a few beams of the scan do not speak against odometry, whose step since the last scan has the covariance
     /// `noise`: nothing else is done with most scans.
     fn goes_along(
@@ -353,6 +400,14 @@ impl Mapping {
     #[must_use]
     pub fn is_uncertain(&self) -> bool {
         self.localiser.is_uncertain()
+    }
+
+    /// How far a robot that does not know where it is has been looked for.
+    #[must_use]
+    pub fn sought(&self) -> Sought {
+        self.relocaliser
+            .as_ref()
+            .map_or(Sought::Not, Relocaliser::sought)
     }
 
     /// Lets the map go where the robot is.

@@ -1,5 +1,6 @@
 //! What mapping logs of a run: jumps of the pose correction, and how many obstacles move.
 
+use zeronav_mapping::Sought;
 use zeronav_msgs::pose::{Pose, wrap_angle};
 
 /// Least run time between two lines. [ns]
@@ -16,10 +17,35 @@ const STEP_RAD: f64 = 0.05;
 pub(crate) struct RunLog {
     map_from_odom: Pose,
     n_moving: usize,
+    sought: Sought,
     due_ns: u64,
 }
 
 impl RunLog {
+    /// Logs when the robot is looked for on the whole map, and what came of it.
+    pub(crate) fn log_sought(&mut self, tick: u64, sought: Sought) {
+        let before = core::mem::replace(&mut self.sought, sought);
+        if sought == before {
+            return;
+        }
+        match sought {
+            Sought::Not => tracing::info!(tick, "the robot knows where it is again"),
+            Sought::Everywhere => tracing::warn!(
+                tick,
+                "the robot does not know where it is: it is looked for on the whole map"
+            ),
+            Sought::Ambiguous(places) => tracing::warn!(
+                tick,
+                places,
+                "the robot does not know where it is: several places fit what it sees"
+            ),
+            Sought::Nowhere => tracing::warn!(
+                tick,
+                "the robot does not know where it is: no place on the map fits what it sees"
+            ),
+        }
+    }
+
     /// Logs what has changed since the last line, a line a second at most.
     pub(crate) fn log(&mut self, tick: u64, run_ns: u64, map_from_odom: &Pose, n_moving: usize) {
         let from = &self.map_from_odom;

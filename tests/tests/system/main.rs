@@ -30,6 +30,7 @@ mod latency;
 mod latency_gate;
 mod live_swap;
 mod logs;
+mod lost;
 mod map_save;
 mod mapping;
 mod methods;

@@ -151,7 +151,8 @@ pub(super) fn stale(request: &Request) -> String {
         }
         PlannerInput::Pose => {
             return "The local planner brakes because the robot does not know where it is: the scans \
-                    contradict odometry and do not lie on the map near by. It goes on when they do; \
+                    contradict odometry or the map. It is looked for on the map and goes on once one place fits \
+                    what it sees and no other does as well; the log of mapping says how many do, \
                     `zeronav pose` says where it is."
                 .to_owned();
         }

@@ -5,6 +5,7 @@ mod support;
 
 mod drift;
 mod exact;
+mod lost;
 mod mapper;
 mod moving;
 mod paper_rows;

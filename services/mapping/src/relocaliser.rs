@@ -1,0 +1,487 @@
+//! Finds a robot that does not know where it is on its static map.
+//!
+//! [`LostWatch`] says when it is lost. Then [`GlobalSearch`] looks for the places at which a scan fits, a bounded share of the
+//! work with every scan; these are made exact and held against the next scans, wherever the robot has moved by then, beams
+//! that look through walls counting against a place. One that explains most, and clearly more than any other, is where the robot
+//! is. Otherwise it is not known, and looked for again: never is a place guessed among equal ones.
+
+use crate::beams::{Beam, End};
+use crate::config::MappingConfig;
+use crate::explained::{Explained, Walls};
+use crate::global_search::GlobalSearch;
+use crate::localisation::StartPose;
+use crate::localiser::CorrectionMode;
+use crate::lost::LostWatch;
+use crate::mapper::Mapper;
+use crate::scan_match::{Match, Surfaces};
+use crate::search_map::SearchMap;
+use crate::window::WindowMode;
+use nalgebra::{Matrix3, Point2, Vector3};
+use zeronav_msgs::Pose;
+use zeronav_msgs::map::{FLAG_STATIC, FLAG_UNKNOWN};
+use zeronav_msgs::pose::wrap_angle;
+use zeronav_msgs::time::seconds;
+use zeronav_params::ParameterError;
+
+/// Beams of a first look, of a second one, and of a search: of more, every n-th.
+const GLANCE: usize = 60;
+const LOOK: usize = 180;
+
+/// Share of the ends of a first look on the static map with which there is no second one.
+const FINE: f64 = 0.75;
+
+/// Nodes of the search that are looked at in a scan, and poses that are held against one.
+const LOOKS: usize = 25_000;
+
+/// How long an uncertain robot is looked for near by alone. [s]
+const NEAR_BY_S: f64 = 1.0;
+
+/// Scans that places are held against.
+const CHECKS: u32 = 5;
+
+/// Least share that the place must explain, and the beams.
+const EXPLAINS: (f64, f64) = (0.5, 30.0);
+
+/// By how much more than any other it must explain: at least, by so large a share of what it leaves unexplained more, at
+/// most. A chair that was carried from one of two equal rooms to the other must not decide.
+const AHEAD: (f64, f64, f64) = (0.08, 0.3, 0.15);
+
+/// What is asked more of a search that begins where the last one found several places, and at most.
+const CAUTION: (f64, f64) = (0.03, 0.15);
+
+/// Largest share of the beams that may look through walls at the place.
+const THROUGH: f64 = 0.3;
+
+/// Deviations of a place that was searched. [m, rad]
+const ROUGH: (f64, f64) = (0.1, 0.05);
+
+/// Least deviations of a robot that was found. [m, rad]
+const FOUND: (f64, f64) = (0.03, 0.02);
+
+/// Places nearer than this are one. [m, rad]
+const SAME: (f64, f64) = (0.2, 0.15);
+
+/// After how long a robot is looked for again, and after what motion. [s, m, rad]
+const AGAIN: (f64, f64, f64) = (2.0, 0.3, 0.3);
+
+/// A scan, and where it was taken as far as is known.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight<'a> {
+    /// The beams, in `base`.
+    pub(crate) beams: &'a [Beam],
+    pub(crate) mapper: &'a Mapper,
+    /// Where the robot takes itself to be, or how it has moved.
+    pub(crate) map_from_base: Pose,
+    /// Run time of the capture. [ns]
+    pub(crate) run_ns: u64,
+    /// True when the pose is uncertain.
+    pub(crate) is_uncertain: bool,
+}
+
+/// What a scan came to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Step {
+    /// Nothing new.
+    Nothing,
+    /// The robot is not where it takes itself to be.
+    Lost,
+    /// The robot is there.
+    Found(Match),
+}
+
+/// How far the robot knows where it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Sought {
+    /// It knows, or is looked for near by alone.
+    #[default]
+    Not,
+    /// It is looked for on the whole map.
+    Everywhere,
+    /// There are so many places that fit.
+    Ambiguous(usize),
+    /// No place fits.
+    Nowhere,
+}
+
+/// A place, and what it has explained so far.
+#[derive(Debug, Clone, Copy)]
+struct Held {
+    /// `map_from_base` when the search began.
+    pose: Pose,
+    explained: Explained,
+}
+
+#[derive(Debug)]
+enum Stage {
+    /// The robot knows where it is.
+    Known,
+    /// Waits for a scan to search with.
+    Begin,
+    Search {
+        search: Box<GlobalSearch>,
+        ends: Vec<Point2<f64>>,
+        from: Pose,
+    },
+    Check {
+        places: Vec<Held>,
+        from: Pose,
+        n_scans: u32,
+        complete: bool,
+    },
+    Wait {
+        since_ns: u64,
+        from: Pose,
+    },
+}
+
+/// Says when the robot is lost, and looks for it.
+#[derive(Debug)]
+pub(crate) struct Relocaliser {
+    lost_below: f64,
+    /// How far beams count. [m]
+    range_m_max: f64,
+    /// Least clearance at which the robot can stand. [m]
+    room_m: f64,
+    watch: LostWatch,
+    stage: Stage,
+    sought: Sought,
+    /// How long the pose has been uncertain. [s]
+    uncertain_s: f64,
+    /// What is asked beyond [`AHEAD`].
+    caution: f64,
+    last_ns: u64,
+    /// Made when it is searched for the first time.
+    map: Option<SearchMap>,
+    /// Scratch: indices of the beams that stand.
+    standing: Vec<usize>,
+}
+
+impl Relocaliser {
+    /// For a robot that can stand where the clearance is `room_m`. `None` where it cannot be looked for: without a
+    /// static map, on one that moves, and where `odom` is `map`.
+    ///
+    /// # Errors
+    /// When it cannot, but its pose is unknown.
+    pub(crate) fn of(
+        config: &MappingConfig,
+        has_static_map: bool,
+        room_m: f64,
+    ) -> Result<Option<Self>, ParameterError> {
+        let can = has_static_map
+            && config.window.mode == WindowMode::Fixed
+            && config.pose_correction.mode != CorrectionMode::Off;
+        if !can && config.localisation.start == StartPose::Unknown {
+            return Err(ParameterError {
+                path: "localisation.start".to_owned(),
+                rule: "needs a static map, a fixed window and a pose that is corrected".to_owned(),
+                value: "\"unknown\"".to_owned(),
+            });
+        }
+        Ok(can.then(|| Self {
+            lost_below: config.localisation.lost_below,
+            range_m_max: config.obstacle_range_m,
+            room_m,
+            watch: LostWatch::default(),
+            stage: Stage::Known,
+            sought: Sought::Not,
+            uncertain_s: 0.0,
+            caution: 0.0,
+            last_ns: 0,
+            map: None,
+            standing: Vec::new(),
+        }))
+    }
+
+    /// Begins anew: the robot was told where it is, or that nobody knows.
+    pub(crate) fn restart(&mut self) {
+        self.stage = Stage::Known;
+        self.sought = Sought::Not;
+        self.watch = LostWatch::default();
+        self.uncertain_s = 0.0;
+        self.caution = 0.0;
+    }
+
+    /// How far the robot knows where it is.
+    pub(crate) fn sought(&self) -> Sought {
+        self.sought
+    }
+
+    /// Takes in a scan. `stands` says of a point of the map, as the robot takes itself to be on it, that nothing moves there.
+    pub(crate) fn follow(
+        &mut self,
+        sight: &Sight<'_>,
+        stands: impl Fn(Point2<f64>) -> bool,
+    ) -> Step {
+        let elapsed_s = seconds(sight.run_ns.saturating_sub(self.last_ns));
+        self.last_ns = sight.run_ns;
+        if sight.is_uncertain {
+            self.uncertain_s += elapsed_s;
+            return self.seek(sight, stands);
+        }
+        if !matches!(self.stage, Stage::Known) {
+            self.restart();
+        }
+        self.uncertain_s = 0.0;
+        if self.is_lost(sight, stands, elapsed_s) {
+            self.restart();
+            self.stage = Stage::Begin;
+            return Step::Lost;
+        }
+        Step::Nothing
+    }
+
+    /// True when the static map has explained too little for long.
+    fn is_lost(
+        &mut self,
+        sight: &Sight<'_>,
+        stands: impl Fn(Point2<f64>) -> bool,
+        elapsed_s: f64,
+    ) -> bool {
+        if self.lost_below <= 0.0 {
+            return false;
+        }
+        self.stand(sight, GLANCE, stands);
+        let into_map = sight.map_from_base.isometry();
+        let ends = self.standing.iter().filter_map(|n| sight.beams[*n].point());
+        let (mut n, mut on) = (0.0, 0.0);
+        for end in ends {
+            n += 1.0;
+            on += f64::from(u8::from(sight.mapper.is_near_static(into_map * end)));
+        }
+        if on >= FINE * n && n > 0.0 && self.watch.is_fine() {
+            return false;
+        }
+        let beams = self.standing.iter().map(|n| &sight.beams[*n]);
+        let explained = Walls::of(sight.mapper).explain(
+            beams,
+            &sight.map_from_base,
+            self.range_m_max,
+            |point| sight.mapper.is_near_static(point),
+        );
+        self.watch
+            .is_lost(&explained, n, self.lost_below, elapsed_s)
+    }
+
+    /// Goes on with the search.
+    fn seek(&mut self, sight: &Sight<'_>, stands: impl Fn(Point2<f64>) -> bool) -> Step {
+        let Sight {
+            mapper,
+            map_from_base,
+            ..
+        } = sight;
+        match core::mem::replace(&mut self.stage, Stage::Begin) {
+            Stage::Known if self.uncertain_s < NEAR_BY_S => self.stage = Stage::Known,
+            Stage::Known | Stage::Begin => {
+                self.stand(sight, LOOK, stands);
+                self.begin(sight);
+            }
+            Stage::Search {
+                mut search,
+                ends,
+                from,
+            } => {
+                let Some(map) = &self.map else {
+                    return Step::Nothing;
+                };
+                self.stage = if search.advance(map, LOOKS) {
+                    Stage::Check {
+                        places: exact(&search, mapper, &ends),
+                        from,
+                        n_scans: 0,
+                        complete: search.is_complete(),
+                    }
+                } else {
+                    Stage::Search { search, ends, from }
+                };
+            }
+            Stage::Check {
+                mut places,
+                from,
+                n_scans,
+                complete,
+            } => {
+                self.stand(sight, LOOK, stands);
+                let came = motion(&from, map_from_base);
+                self.hold(sight, &mut places, &came);
+                if n_scans + 1 < CHECKS {
+                    let n_scans = n_scans + 1;
+                    self.stage = Stage::Check {
+                        places,
+                        from,
+                        n_scans,
+                        complete,
+                    };
+                    return Step::Nothing;
+                }
+                return self.decide(sight, places, &came, complete);
+            }
+            Stage::Wait { since_ns, from } => {
+                let (wait_s, way_m, turn_rad) = AGAIN;
+                let came = motion(&from, map_from_base);
+                let has_moved = came.point().coords.norm() > way_m || came.yaw_rad.abs() > turn_rad;
+                if has_moved {
+                    self.caution = 0.0;
+                }
+                if !has_moved && seconds(sight.run_ns.saturating_sub(since_ns)) < wait_s {
+                    self.stage = Stage::Wait { since_ns, from };
+                }
+            }
+        }
+        Step::Nothing
+    }
+
+    /// Begins to search with a scan that sees enough.
+    fn begin(&mut self, sight: &Sight<'_>) {
+        let ends = self.standing.iter().map(|n| &sight.beams[*n]);
+        let ends = ends
+            .filter(|beam| matches!(beam.end, End::Hit(range_m) if range_m <= self.range_m_max));
+        let ends: Vec<_> = ends.filter_map(Beam::point).collect();
+        #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
+        if (ends.len() as f64) < EXPLAINS.1 {
+            return;
+        }
+        if self.sought == Sought::Not {
+            self.sought = Sought::Everywhere;
+        }
+        let (mapper, room_m) = (sight.mapper, self.room_m);
+        let map = self.map.get_or_insert_with(|| search_map(mapper, room_m));
+        self.stage = Stage::Search {
+            search: Box::new(GlobalSearch::new(map, &ends)),
+            ends,
+            from: sight.map_from_base,
+        };
+    }
+
+    /// Holds places against a scan, `came` after the search began.
+    fn hold(&self, sight: &Sight<'_>, places: &mut [Held], came: &Pose) {
+        let Some(surfaces) = sight.mapper.surfaces() else {
+            return;
+        };
+        let on_m = 2.0 * sight.mapper.geometry().resolution_m.max(0.05);
+        let walls = Walls::of(sight.mapper);
+        for place in places {
+            let beams = self.standing.iter().map(|n| &sight.beams[*n]);
+            let pose = place.pose.then(came);
+            let seen = walls.explain(beams, &pose, self.range_m_max, |point| {
+                surfaces.distance_m(point) <= on_m && sight.mapper.is_near_static(point)
+            });
+            place.explained.on += seen.on;
+            place.explained.new += seen.new;
+            place.explained.through += seen.through;
+        }
+    }
+
+    /// Where the robot is, if one place is better than all others.
+    fn decide(
+        &mut self,
+        sight: &Sight<'_>,
+        mut places: Vec<Held>,
+        came: &Pose,
+        complete: bool,
+    ) -> Step {
+        let share = |place: &Held| place.explained.share(1.0);
+        places.sort_by(|a, b| share(b).total_cmp(&share(a)));
+        self.stage = Stage::Wait {
+            since_ns: sight.run_ns,
+            from: sight.map_from_base,
+        };
+        let Some(best) = places.first().copied() else {
+            self.sought = Sought::Nowhere;
+            return Step::Nothing;
+        };
+        let (least, unexplained, most) = AHEAD;
+        let ahead = (least + unexplained * (1.0 - share(&best))).min(most) + self.caution;
+        let rivals = places.iter().skip(1).filter(|place| {
+            share(place) + ahead > share(&best) && !is_same(&place.pose, &best.pose)
+        });
+        let n_rivals = rivals.count();
+        let Explained { on, through, .. } = best.explained;
+        if share(&best) < EXPLAINS.0
+            || on < EXPLAINS.1 * f64::from(CHECKS)
+            || through > THROUGH * best.explained.judged()
+        {
+            self.sought = Sought::Nowhere;
+            return Step::Nothing;
+        }
+        if n_rivals > 0 || !complete {
+            self.sought = Sought::Ambiguous(n_rivals + 1);
+            self.caution = (self.caution + CAUTION.0).min(CAUTION.1);
+            return Step::Nothing;
+        }
+        let ends = self.standing.iter().filter_map(|n| sight.beams[*n].point());
+        let ends: Vec<_> = ends.collect();
+        let pose = best.pose.then(came);
+        let found = (sight.mapper.surfaces())
+            .and_then(|surfaces| lay(surfaces, &ends, &pose))
+            .filter(|found| is_same(&found.pose, &pose));
+        let Some(mut found) = found else {
+            self.sought = Sought::Nowhere;
+            return Step::Nothing;
+        };
+        let least = Vector3::new(FOUND.0, FOUND.0, FOUND.1);
+        found.covariance += Matrix3::from_diagonal(&least.component_mul(&least));
+        self.restart();
+        Step::Found(found)
+    }
+
+    /// Finds the beams that say something of what stands, at most about `n_max`.
+    fn stand(&mut self, sight: &Sight<'_>, n_max: usize, stands: impl Fn(Point2<f64>) -> bool) {
+        let every = sight.beams.len().div_ceil(n_max).max(1);
+        let into_map = sight.map_from_base.isometry();
+        let beams = sight.beams.iter().enumerate().step_by(every);
+        self.standing.clear();
+        self.standing.extend(
+            beams
+                .filter(|(_, beam)| beam.point().is_none_or(|end| stands(into_map * end)))
+                .map(|(n, _)| n),
+        );
+    }
+}
+
+/// What a robot has moved between two poses.
+fn motion(from: &Pose, to: &Pose) -> Pose {
+    Pose::from(from.isometry().inverse() * to.isometry())
+}
+
+fn is_same(one: &Pose, other: &Pose) -> bool {
+    one.distance_m(other) <= SAME.0 && wrap_angle(one.yaw_rad - other.yaw_rad).abs() <= SAME.1
+}
+
+/// Lays ends on the map from a pose that is known roughly.
+fn lay(surfaces: &Surfaces, ends: &[Point2<f64>], pose: &Pose) -> Option<Match> {
+    let deviations = Vector3::new(ROUGH.0, ROUGH.0, ROUGH.1);
+    let covariance = Matrix3::from_diagonal(&deviations.component_mul(&deviations));
+    surfaces.lay(ends, pose, &covariance, |_| true)
+}
+
+/// The places that a search has found, made exact, each once.
+fn exact(search: &GlobalSearch, mapper: &Mapper, ends: &[Point2<f64>]) -> Vec<Held> {
+    let mut places: Vec<Held> = Vec::new();
+    for place in search.places() {
+        let laid = (mapper.surfaces()).and_then(|surfaces| lay(surfaces, ends, &place.pose));
+        let pose = laid.map_or(place.pose, |laid| laid.pose);
+        if !places.iter().any(|other| is_same(&other.pose, &pose)) {
+            places.push(Held {
+                pose,
+                explained: Explained::default(),
+            });
+        }
+    }
+    places
+}
+
+/// What is searched: the static map, and where it leaves room.
+fn search_map(mapper: &Mapper, room_m: f64) -> SearchMap {
+    let cells = mapper.cells();
+    let geometry = mapper.geometry();
+    let room_m = room_m.min(0.001 * f64::from(mapper.clearance_limit_mm()));
+    let least_m = room_m - 1.5 * geometry.resolution_m;
+    SearchMap::new(
+        geometry,
+        |index| cells[index].flags & FLAG_STATIC != 0,
+        |index| {
+            let cell = &cells[index];
+            cell.flags & FLAG_UNKNOWN == 0 && 0.001 * f64::from(cell.clearance_mm) >= least_m
+        },
+    )
+}
