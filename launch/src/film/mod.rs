@@ -56,6 +56,9 @@ const INTERVENTIONS_MAX: usize = 2000;
 /// Requests that are remembered for the commands that refer to them.
 const RECENT_MAX: usize = 64;
 
+/// Commands that wait for their requests at most: those are remembered for longer.
+const EARLY_MAX: usize = RECENT_MAX / 2;
+
 /// Tiles that are remembered, so that one that comes again unchanged takes no room.
 const TILES_MAX: usize = zeronav_msgs::map::TILES_PER_KEYFRAME_MAX;
 
@@ -80,8 +83,8 @@ pub(crate) struct Film {
     stepping_in: Option<Intervention>,
     held: Held,
     requests: VecDeque<(u64, VelocityRequest)>,
-    /// A command that was heard before the request that it rests on, with its run time [ns] and the id of that.
-    early: Option<(u64, u64, VelocityCommand)>,
+    /// Commands that were heard before the request that they rest on, with their run time [ns] and the id of that.
+    early: VecDeque<(u64, u64, VelocityCommand)>,
     task: Vec<Goal>,
     tiles: BTreeMap<(u32, u32), Tile>,
     grid: Option<Grid>,
@@ -110,7 +113,7 @@ impl Default for Film {
             stepping_in: None,
             held: Held::default(),
             requests: VecDeque::new(),
-            early: None,
+            early: VecDeque::new(),
             task: Vec::new(),
             tiles: BTreeMap::new(),
             grid: None,
@@ -161,7 +164,7 @@ impl Film {
     pub(crate) fn end(&mut self) {
         self.held.end();
         self.settle();
-        self.show_early();
+        self.show_early(0);
     }
 
     /// Takes in what was held back and has its place by now.
@@ -193,14 +196,11 @@ impl Film {
     /// What the local planner asked for.
     pub(crate) fn request(&mut self, id: u64, request: &VelocityRequest) {
         remember(&mut self.requests, id, *request);
-        if self.early.is_some_and(|(_, of, _)| of == id) {
-            self.show_early();
-        }
+        self.show_early(EARLY_MAX);
     }
 
     /// What the guard made of the request with this id.
     pub(crate) fn command(&mut self, run_ns: u64, request: u64, command: &VelocityCommand) {
-        self.show_early();
         let intervention = command.intervention();
         if intervention != self.stepping_in {
             self.stepping_in = intervention;
@@ -212,19 +212,22 @@ impl Film {
                 Some(_) => self.interventions_left_out += 1,
             }
         }
-        if self.controls.is_due(run_ns) {
-            self.early = Some((run_ns, request, *command));
-            if request == 0 || recalled(&self.requests, request).is_some() {
-                self.show_early();
-            }
-        }
+        self.early.push_back((run_ns, request, *command));
+        self.show_early(EARLY_MAX);
     }
 
-    /// Shows the command that waits for its request, with what is known of that by now.
-    fn show_early(&mut self) {
-        if let Some((run_ns, request, command)) = self.early.take() {
-            let request = recalled(&self.requests, request).unwrap_or_default();
-            self.controls.push(run_ns, Control::of(&request, &command));
+    /// Shows the commands of which the request has been heard, in their order; of those that wait for one, `kept` stay.
+    fn show_early(&mut self, kept: usize) {
+        while let Some((run_ns, id, command)) = self.early.front().copied() {
+            let request = recalled(&self.requests, id);
+            if id != 0 && request.is_none() && self.early.len() <= kept {
+                break;
+            }
+            self.early.pop_front();
+            if self.controls.is_due(run_ns) {
+                let control = Control::of(&request.unwrap_or_default(), &command);
+                self.controls.push(run_ns, control);
+            }
         }
     }
 

@@ -249,26 +249,35 @@ fn a_command_shows_its_request_whichever_is_heard_first() {
         v_mps: 0.5,
         ..VelocityRequest::default()
     };
-    let shown = |early: bool| {
+    // Both are read in turns: some requests come after so many commands.
+    let shown = |early: usize| {
         let mut film = Film::default();
-        for id in 1..=2 {
-            let hear_request = |film: &mut Film| film.request(id, &request);
-            if !early {
-                hear_request(&mut film);
+        for ids in [1, 2, 3, 4].chunks(early.max(1)) {
+            let hear_requests = |film: &mut Film| {
+                for id in ids {
+                    film.request(*id, &request);
+                }
+            };
+            if early == 0 {
+                hear_requests(&mut film);
             }
-            film.command(id * POSE_NS, id, &VelocityCommand::default());
-            if early {
-                hear_request(&mut film);
+            for id in ids {
+                film.command(id * POSE_NS, *id, &VelocityCommand::default());
+            }
+            if early > 0 {
+                hear_requests(&mut film);
             }
         }
         // Of this one the request is never heard.
-        film.command(3 * POSE_NS, 3, &VelocityCommand::default());
+        film.command(5 * POSE_NS, 5, &VelocityCommand::default());
         film.end();
         film.controls.samples().to_vec()
     };
-    let late = shown(false);
+    let late = shown(0);
     let speeds: Vec<Rounded> = late.iter().map(|(_, it)| it.request[0]).collect();
     let [asked, nothing] = [0.5, 0.0].map(|v_mps| point(v_mps, 0.0)[0]);
-    assert_eq!(speeds, [asked, asked, nothing]);
-    assert_eq!(shown(true), late);
+    assert_eq!(speeds, [asked, asked, asked, asked, nothing]);
+    for early in 1..=4 {
+        assert_eq!(shown(early), late, "{early} commands come first");
+    }
 }
