@@ -7,6 +7,7 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::SystemTime;
 use zeronav_msgs::role::Role;
 
 /// The program of the way.
@@ -207,9 +208,15 @@ impl OtherClock {
     /// Sets its time of day an hour ahead.
     ///
     /// # Panics
-    /// Without its folder.
+    /// When it is not.
     pub fn set(&self) {
         std::fs::write(self.0.path().join("set"), "").expect("written");
+        let mut date = Command::new("date");
+        let said = self.of(date.arg("+%s")).output().expect("date starts");
+        let said = String::from_utf8_lossy(&said.stdout).trim().parse::<u64>();
+        let here = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
+        let ahead_s = said.expect("seconds") - here.expect("after 1970").as_secs();
+        assert!((3590..3610).contains(&ahead_s), "{ahead_s} s ahead");
     }
 }
 

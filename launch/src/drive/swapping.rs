@@ -14,7 +14,7 @@ use zeronav_measure::result::swap::SwapResult;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_scenario::assignment::lay_over;
-use zeronav_shell::remote_seats::{KEYS_BYTES_MAX, Program};
+use zeronav_shell::remote_seats::{BINARY_BYTES_MAX, KEYS_BYTES_MAX, Program};
 use zeronav_supervise::binaries;
 use zeronav_supervise::question::{self, Silence};
 use zeronav_supervise::stack::Stack;
@@ -222,6 +222,12 @@ fn program_there(office: Table, order: &SwapOrder) -> Result<Table, String> {
             ));
         }
     };
+    if binary.len() > BINARY_BYTES_MAX {
+        return Err(format!(
+            "the name of a program has at most {BINARY_BYTES_MAX} bytes, not {}",
+            binary.len()
+        ));
+    }
     let mut keys = Table::new();
     if binary == office.binary {
         keys = toml::from_str(&office.keys).map_err(|error| said(&error))?;

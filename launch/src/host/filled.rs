@@ -32,7 +32,7 @@ const UNWANTED_LIMIT: Duration = Duration::from_secs(1);
 /// Starts of seats whose end is remembered; of the seat that ends next the oldest are forgotten.
 const ENDED_MAX: usize = 32;
 
-/// Processes of a seat at a time.
+/// Processes of a seat at a time, and starts of it that are looked at.
 const PAIR: usize = 2;
 
 /// Exit code of a process that could not be started.
@@ -129,8 +129,12 @@ impl<'a> Filled<'a> {
         if self.cleaning.is_some() || is_over {
             return;
         }
-        for start in wanted {
+        for (n, start) in wanted.iter().enumerate() {
             let seat = start.seat;
+            let before = wanted[..n].iter();
+            if before.filter(|it| it.seat.role == seat.role).count() >= PAIR {
+                continue;
+            }
             let others = self.running.keys().filter(|it| it.role == seat.role);
             let others: Vec<&SeatStart> = others.collect();
             // A predecessor that nobody wants any more has to end first; beside one that is wanted, too, a newcomer runs.
@@ -215,6 +219,7 @@ impl<'a> Filled<'a> {
     }
 
     fn remember(&mut self, seat: SeatStart, code: u8, why: &str) {
+        self.programs.forget(seat);
         let why = printable(why).chars().take(WHY_CHARS_MAX).collect();
         self.ended.insert(seat, (code, why));
         while self.ended.len() > ENDED_MAX {

@@ -2,12 +2,12 @@
 //! swap another of its programs, or the same with other keys.
 
 use crate::prepare::Prepared;
-use crate::swap::config::merged;
+use crate::swap::config::{GIVEN, merged};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use zeronav_msgs::role::Role;
-use zeronav_shell::remote_seats::{KEYS_BYTES_MAX, Wanted};
+use zeronav_shell::remote_seats::{KEYS_BYTES_MAX, SeatStart, Wanted};
 use zeronav_supervise::binaries;
 
 /// A program and its configuration.
@@ -70,14 +70,30 @@ impl Programs {
         let table = |text: &str| toml::from_str(text).map_err(|error| error.to_string());
         let text = std::fs::read_to_string(config);
         let text = text.map_err(|error| format!("{}: {error}", config.display()))?;
-        let keys = table(&program.keys)?;
+        let keys: toml::Table = table(&program.keys)?;
+        // Where the map lies, and how large it is, each host knows for itself.
+        if let Some(key) = GIVEN.iter().find(|key| keys.contains_key(**key)) {
+            return Err(format!("{key} is not set from another host"));
+        }
         let table = merged(table(&text)?, role, binary == office, keys);
-        // Another start with the same epoch comes after a restart of the robot's host alone, and to a new folder.
-        let epoch = wanted.seat.epoch;
-        let file = self.root.join(format!("{role}.{epoch}.toml"));
+        let file = self.file(role, wanted.seat);
         std::fs::write(&file, table.to_string())
             .map_err(|error| format!("writing {}: {error}", file.display()))?;
         Ok((binary.clone(), file))
+    }
+
+    /// Configuration of a start of its own. Another start with the same epoch comes after a restart of the robot's host
+    /// alone, and to a new folder.
+    fn file(&self, role: Role, seat: SeatStart) -> PathBuf {
+        self.root.join(format!("{role}.{}.toml", seat.epoch))
+    }
+
+    /// Removes what was written for a start that has ended.
+    pub(super) fn forget(&self, seat: SeatStart) {
+        if let Some(role) = seat.role() {
+            // Most have none.
+            let _ = std::fs::remove_file(self.file(role, seat));
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use zeronav_msgs::role::Role;
 use zeronav_scenario::assignment::lay_over;
 
 /// What launch itself tells mapping: it does not depend on the binary.
-const GIVEN: [&str; 3] = ["static_map", "area_m", "resolution_m"];
+pub(crate) const GIVEN: [&str; 3] = ["static_map", "area_m", "resolution_m"];
 
 /// The configuration of a newcomer: `keys` over those of the process in the seat, or over none but
 /// what launch itself says when it is another program.

@@ -328,6 +328,8 @@ impl Link {
         rings: &[(Role, Rung)],
         now_ns: u64,
     ) -> Result<(), StartError> {
+        // Late readers get what is latched also while the way is cut, or without room.
+        self.lanes.refresh();
         let beat = self.other.partner(&self.own);
         let beat = beat.filter(|beat| self.was_there && beat.synchronised);
         if let Some(reads) = beat.map(|beat| beat.reads) {

@@ -6,7 +6,7 @@ use std::os::unix::net::UnixListener;
 use zeronav_shell::StartError;
 use zeronav_shell::folder::{FILE_MODE, Folder};
 use zeronav_shell::remote_seats::{
-    FromLink, Held, LINK_SOCKET, Line, Program, SeatStart, ToLink, Wanted,
+    FromLink, Held, LINK_SOCKET, Line, Program, SeatStart, ToLink, WHY_CHARS_MAX, Wanted,
 };
 
 /// Connections at a time: two processes in each seat, a supervisor, and some that have just ended.
@@ -139,7 +139,7 @@ impl Socket {
             if let Some(held) = held
                 && let Some(code) = held.ended
             {
-                let why = held.why.clone();
+                let why = held.why.chars().take(WHY_CHARS_MAX).collect();
                 client.tell(FromLink::Ended { code, why });
             }
         }

@@ -19,6 +19,7 @@ use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::{Mapping, MappingConfig, Observation, Sought};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::{Cell, Pose};
+use zeronav_observe::statistics::percentile;
 use zeronav_world::{Occupancy, StaticMap};
 
 /// Scans of 0.1 s.
@@ -95,17 +96,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 impl Tally {
     fn line(mut self) -> String {
-        let quantile = |values: &mut Vec<f64>, share: f64| {
-            values.sort_by(f64::total_cmp);
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                clippy::cast_precision_loss,
-                reason = "an index"
-            )]
-            let index = (share * values.len().saturating_sub(1) as f64) as usize;
-            values.get(index).copied().unwrap_or(f64::NAN)
-        };
+        let percentile =
+            |values: &mut Vec<f64>, share: f64| percentile(values, share).unwrap_or(f64::NAN);
         format!(
             "found {:3} ambiguous {:3} nowhere {:3} searching {:3} never lost {:3} WRONG {:3} | after s {:.1} max {:.1} \
              | off cm {:.1} max {:.1}, deg {:.2} max {:.2} | scan ms {:.2} max {:.2}",
@@ -115,14 +107,14 @@ impl Tally {
             self.searching,
             self.not_lost,
             self.wrong,
-            quantile(&mut self.after_s, 0.5),
-            quantile(&mut self.after_s, 1.0),
-            100.0 * quantile(&mut self.off_m, 0.5),
-            100.0 * quantile(&mut self.off_m, 1.0),
-            quantile(&mut self.off_rad, 0.5).to_degrees(),
-            quantile(&mut self.off_rad, 1.0).to_degrees(),
-            quantile(&mut self.scan_ms, 0.5),
-            quantile(&mut self.scan_ms, 1.0),
+            percentile(&mut self.after_s, 0.5),
+            percentile(&mut self.after_s, 1.0),
+            100.0 * percentile(&mut self.off_m, 0.5),
+            100.0 * percentile(&mut self.off_m, 1.0),
+            percentile(&mut self.off_rad, 0.5).to_degrees(),
+            percentile(&mut self.off_rad, 1.0).to_degrees(),
+            percentile(&mut self.scan_ms, 0.5),
+            percentile(&mut self.scan_ms, 1.0),
         )
     }
 }
@@ -200,7 +192,7 @@ fn robot(
     let off_rad = wrap_angle(pose.yaw_rad - truth.yaw_rad).abs();
     if mapping.is_uncertain() {
         match mapping.sought() {
-            Sought::Ambiguous(_) => tally.ambiguous += 1,
+            Sought::Ambiguous(_) | Sought::TooMany => tally.ambiguous += 1,
             Sought::Nowhere => tally.nowhere += 1,
             Sought::Everywhere | Sought::Not => tally.searching += 1,
         }

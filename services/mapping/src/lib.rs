@@ -48,6 +48,7 @@ mod moved;
 mod near_points;
 mod outline;
 mod past_scans;
+mod places;
 mod pose_error;
 pub mod ray;
 pub mod regularise;

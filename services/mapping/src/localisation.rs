@@ -22,8 +22,8 @@ parameters! {
         start: StartPose = StartPose::Given;
         /// `map_from_odom` at the start as `[x, y, yaw]`: where odometry begins.
         map_from_odom: [f64; 3] = [0.0; 3], [-1.0e4, 1.0e4] "m, m, rad";
-        /// Share of the beams that a fixed static map must explain; below it for 2 s the robot is lost, stands, and is looked
-        /// for on the whole map. 0 = it never is.
+        /// Share of the beams that a fixed static map must explain: below it, and contradicted by walls, for 2 s the robot is
+        /// lost, stands, and is looked for on the whole map. 0 = it never is.
         lost_below: f64 = 0.6, [0.0, 0.9];
     }
 }

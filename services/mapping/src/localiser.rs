@@ -141,13 +141,14 @@ impl Localiser {
     }
 
     /// Goes on from where another mapping has come to: its `map_from_odom`, and the covariance of the
-    /// robot's pose with it as [`Self::covariance`].
-    pub fn resume(&mut self, map_from_odom: Pose, covariance: [f64; 6]) {
+    /// robot's pose with it as [`Self::covariance`]. A pose that may be anywhere is looked for on the whole map where
+    /// that `can_search`, and near by otherwise.
+    pub fn resume(&mut self, map_from_odom: Pose, covariance: [f64; 6], can_search: bool) {
         let [xx, xy, xw, yy, yw, ww] = covariance;
         self.map_from_odom = map_from_odom;
         self.covariance = Matrix3::new(xx, xy, xw, xy, yy, yw, xw, yw, ww);
         self.unknown = (0.0, 0.0);
-        self.lost = xx.max(yy) >= LOST.0.powi(2);
+        self.lost = can_search && xx.max(yy) >= LOST.0.powi(2);
         if xx.max(yy) >= POSE_SIGMA_M_MAX.powi(2) || ww >= POSE_SIGMA_RAD_MAX.powi(2) {
             self.unknown = (xx.max(yy).sqrt(), ww.sqrt());
         }

@@ -27,9 +27,6 @@ const FORGETS: f64 = 2.0;
 /// Scans of which one is looked at closely, however well it lies on the map: it may lie on the far sides of its walls.
 const CLOSELY_EVERY: u32 = 10;
 
-/// Time between two scans that counts at most. [s]
-const STEP_S_MAX: f64 = 0.5;
-
 /// Takes in what the map explains of every scan.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LostWatch {
@@ -41,7 +38,21 @@ pub(crate) struct LostWatch {
     n_glances: u32,
 }
 
+/// True when the map is contradicted by what is seen, and explains less than the share `below` of it.
+pub(crate) fn seems_elsewhere(explained: &Explained, below: f64) -> bool {
+    let contradicts = explained.through >= CONTRADICTS * explained.judged();
+    contradicts && explained.share(NEW_COUNTS) < below
+}
+
 impl LostWatch {
+    /// Of a robot of which the map has explained what it sees.
+    pub(crate) fn confirmed() -> Self {
+        Self {
+            confirmed: true,
+            ..Self::default()
+        }
+    }
+
     /// Takes in a scan that lies on the map at a first look; false when that is not enough: one in ten, and every
     /// one of a robot that seems to be lost, wants a closer look.
     pub(crate) fn is_fine(&mut self) -> bool {
@@ -49,7 +60,7 @@ impl LostWatch {
         self.seems_s <= 0.0 && self.n_glances < CLOSELY_EVERY
     }
 
-    /// Takes in what the map says of a scan, `elapsed_s` after the last one, of which `n_ends` beams ended somewhere; true
+    /// Takes in what the map says of a scan, `elapsed_s` after the last one, of which `n_ends` beams ended where beams count; true
     /// when the robot is lost: the map explains less than the share `below`, and has for long. Where all that is seen is
     /// new, as in a hall that the lidar does not reach across, nothing says that the robot is elsewhere.
     pub(crate) fn is_lost(
@@ -61,9 +72,7 @@ impl LostWatch {
     ) -> bool {
         self.n_glances = 0;
         let is_judged = explained.judged().min(n_ends) >= JUDGED_MIN;
-        let contradicts = explained.through >= CONTRADICTS * explained.judged();
-        let elapsed_s = elapsed_s.min(STEP_S_MAX);
-        let is_elsewhere = is_judged && contradicts && explained.share(NEW_COUNTS) < below;
+        let is_elsewhere = is_judged && seems_elsewhere(explained, below);
         let is_off =
             !self.confirmed && n_ends >= JUDGED_MIN && explained.judged() < (1.0 - OFF) * n_ends;
         if is_elsewhere || is_off {

@@ -133,7 +133,14 @@ impl Mapping {
             return false;
         };
         self.mapper = mapper;
-        self.localiser.resume(info.map_from_odom, info.covariance);
+        let can_search = self.relocaliser.is_some();
+        self.localiser
+            .resume(info.map_from_odom, info.covariance, can_search);
+        if let Some(relocaliser) = &mut self.relocaliser
+            && !self.localiser.is_uncertain()
+        {
+            relocaliser.confirm();
+        }
         true
     }
 

@@ -5,21 +5,20 @@
 //! that look through walls counting against a place. One that explains most, and clearly more than any other, is where the robot
 //! is. Otherwise it is not known, and looked for again: never is a place guessed among equal ones.
 
-use crate::beams::{Beam, End};
+use crate::beams::Beam;
 use crate::config::MappingConfig;
 use crate::explained::{Explained, Walls};
 use crate::global_search::GlobalSearch;
 use crate::localisation::StartPose;
 use crate::localiser::CorrectionMode;
-use crate::lost::LostWatch;
+use crate::lost::{LostWatch, seems_elsewhere};
 use crate::mapper::Mapper;
-use crate::scan_match::{Match, Surfaces};
+use crate::places::{Held, exact, is_near, is_same, lay, motion, search_map};
+use crate::scan_match::Match;
 use crate::search_map::SearchMap;
 use crate::window::WindowMode;
 use nalgebra::{Matrix3, Point2, Vector3};
 use zeronav_msgs::Pose;
-use zeronav_msgs::map::{FLAG_STATIC, FLAG_UNKNOWN};
-use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::time::seconds;
 use zeronav_params::ParameterError;
 
@@ -35,6 +34,9 @@ const LOOKS: usize = 25_000;
 
 /// How long an uncertain robot is looked for near by alone. [s]
 const NEAR_BY_S: f64 = 1.0;
+
+/// Time between two scans that counts at most. [s]
+const STEP_S_MAX: f64 = 0.5;
 
 /// Scans that places are held against.
 const CHECKS: u32 = 5;
@@ -52,14 +54,8 @@ const CAUTION: (f64, f64) = (0.03, 0.15);
 /// Largest share of the beams that may look through walls at the place.
 const THROUGH: f64 = 0.3;
 
-/// Deviations of a place that was searched. [m, rad]
-const ROUGH: (f64, f64) = (0.1, 0.05);
-
 /// Least deviations of a robot that was found. [m, rad]
 const FOUND: (f64, f64) = (0.03, 0.02);
-
-/// Places nearer than this are one. [m, rad]
-const SAME: (f64, f64) = (0.2, 0.15);
 
 /// After how long a robot is looked for again, and after what motion. [s, m, rad]
 const AGAIN: (f64, f64, f64) = (2.0, 0.3, 0.3);
@@ -99,16 +95,10 @@ pub enum Sought {
     Everywhere,
     /// There are so many places that fit.
     Ambiguous(usize),
+    /// Too many poses fit a little to look at all of them.
+    TooMany,
     /// No place fits.
     Nowhere,
-}
-
-/// A place, and what it has explained so far.
-#[derive(Debug, Clone, Copy)]
-struct Held {
-    /// `map_from_base` when the search began.
-    pose: Pose,
-    explained: Explained,
 }
 
 #[derive(Debug)]
@@ -199,6 +189,15 @@ impl Relocaliser {
         self.watch = LostWatch::default();
         self.uncertain_s = 0.0;
         self.caution = 0.0;
+        // Where there is room depends on what stood there then.
+        self.map = None;
+    }
+
+    /// As [`Self::restart`], where the map has explained what is seen: the robot was found, or takes over from a process
+    /// that knew where it is.
+    pub(crate) fn confirm(&mut self) {
+        self.restart();
+        self.watch = LostWatch::confirmed();
     }
 
     /// How far the robot knows where it is.
@@ -212,14 +211,15 @@ impl Relocaliser {
         sight: &Sight<'_>,
         stands: impl Fn(Point2<f64>) -> bool,
     ) -> Step {
-        let elapsed_s = seconds(sight.run_ns.saturating_sub(self.last_ns));
+        let elapsed_s = seconds(sight.run_ns.saturating_sub(self.last_ns)).min(STEP_S_MAX);
         self.last_ns = sight.run_ns;
         if sight.is_uncertain {
             self.uncertain_s += elapsed_s;
             return self.seek(sight, stands);
         }
         if !matches!(self.stage, Stage::Known) {
-            self.restart();
+            // It lies on the map again, near by.
+            self.confirm();
         }
         self.uncertain_s = 0.0;
         if self.is_lost(sight, stands, elapsed_s) {
@@ -242,9 +242,10 @@ impl Relocaliser {
         }
         self.stand(sight, GLANCE, stands);
         let into_map = sight.map_from_base.isometry();
-        let ends = self.standing.iter().filter_map(|n| sight.beams[*n].point());
+        let near = self.standing.iter().map(|n| &sight.beams[*n]);
+        let near = near.filter(|beam| is_near(beam, self.range_m_max));
         let (mut n, mut on) = (0.0, 0.0);
-        for end in ends {
+        for end in near.filter_map(Beam::point) {
             n += 1.0;
             on += f64::from(u8::from(sight.mapper.is_near_static(into_map * end)));
         }
@@ -332,16 +333,17 @@ impl Relocaliser {
 
     /// Begins to search with a scan that sees enough.
     fn begin(&mut self, sight: &Sight<'_>) {
+        if self.sought == Sought::Not {
+            self.sought = Sought::Everywhere;
+        }
         let ends = self.standing.iter().map(|n| &sight.beams[*n]);
-        let ends = ends
-            .filter(|beam| matches!(beam.end, End::Hit(range_m) if range_m <= self.range_m_max));
+        let ends = ends.filter(|beam| is_near(beam, self.range_m_max));
         let ends: Vec<_> = ends.filter_map(Beam::point).collect();
         #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
         if (ends.len() as f64) < EXPLAINS.1 {
+            // It is tried with the next scan.
+            self.stage = Stage::Begin;
             return;
-        }
-        if self.sought == Sought::Not {
-            self.sought = Sought::Everywhere;
         }
         let (mapper, room_m) = (sight.mapper, self.room_m);
         let map = self.map.get_or_insert_with(|| search_map(mapper, room_m));
@@ -385,8 +387,14 @@ impl Relocaliser {
             since_ns: sight.run_ns,
             from: sight.map_from_base,
         };
+        // A search that was given up says nothing of the places that it has not come to.
+        let none = if complete {
+            Sought::Nowhere
+        } else {
+            Sought::TooMany
+        };
         let Some(best) = places.first().copied() else {
-            self.sought = Sought::Nowhere;
+            self.sought = none;
             return Step::Nothing;
         };
         let (least, unexplained, most) = AHEAD;
@@ -399,12 +407,17 @@ impl Relocaliser {
         if share(&best) < EXPLAINS.0
             || on < EXPLAINS.1 * f64::from(CHECKS)
             || through > THROUGH * best.explained.judged()
+            || seems_elsewhere(&best.explained, self.lost_below)
         {
-            self.sought = Sought::Nowhere;
+            self.sought = none;
             return Step::Nothing;
         }
         if n_rivals > 0 || !complete {
-            self.sought = Sought::Ambiguous(n_rivals + 1);
+            self.sought = if n_rivals > 0 {
+                Sought::Ambiguous(n_rivals + 1)
+            } else {
+                Sought::TooMany
+            };
             self.caution = (self.caution + CAUTION.0).min(CAUTION.1);
             return Step::Nothing;
         }
@@ -420,7 +433,7 @@ impl Relocaliser {
         };
         let least = Vector3::new(FOUND.0, FOUND.0, FOUND.1);
         found.covariance += Matrix3::from_diagonal(&least.component_mul(&least));
-        self.restart();
+        self.confirm();
         Step::Found(found)
     }
 
@@ -436,52 +449,4 @@ impl Relocaliser {
                 .map(|(n, _)| n),
         );
     }
-}
-
-/// What a robot has moved between two poses.
-fn motion(from: &Pose, to: &Pose) -> Pose {
-    Pose::from(from.isometry().inverse() * to.isometry())
-}
-
-fn is_same(one: &Pose, other: &Pose) -> bool {
-    one.distance_m(other) <= SAME.0 && wrap_angle(one.yaw_rad - other.yaw_rad).abs() <= SAME.1
-}
-
-/// Lays ends on the map from a pose that is known roughly.
-fn lay(surfaces: &Surfaces, ends: &[Point2<f64>], pose: &Pose) -> Option<Match> {
-    let deviations = Vector3::new(ROUGH.0, ROUGH.0, ROUGH.1);
-    let covariance = Matrix3::from_diagonal(&deviations.component_mul(&deviations));
-    surfaces.lay(ends, pose, &covariance, |_| true)
-}
-
-/// The places that a search has found, made exact, each once.
-fn exact(search: &GlobalSearch, mapper: &Mapper, ends: &[Point2<f64>]) -> Vec<Held> {
-    let mut places: Vec<Held> = Vec::new();
-    for place in search.places() {
-        let laid = (mapper.surfaces()).and_then(|surfaces| lay(surfaces, ends, &place.pose));
-        let pose = laid.map_or(place.pose, |laid| laid.pose);
-        if !places.iter().any(|other| is_same(&other.pose, &pose)) {
-            places.push(Held {
-                pose,
-                explained: Explained::default(),
-            });
-        }
-    }
-    places
-}
-
-/// What is searched: the static map, and where it leaves room.
-fn search_map(mapper: &Mapper, room_m: f64) -> SearchMap {
-    let cells = mapper.cells();
-    let geometry = mapper.geometry();
-    let room_m = room_m.min(0.001 * f64::from(mapper.clearance_limit_mm()));
-    let least_m = room_m - 1.5 * geometry.resolution_m;
-    SearchMap::new(
-        geometry,
-        |index| cells[index].flags & FLAG_STATIC != 0,
-        |index| {
-            let cell = &cells[index];
-            cell.flags & FLAG_UNKNOWN == 0 && 0.001 * f64::from(cell.clearance_mm) >= least_m
-        },
-    )
 }

@@ -39,6 +39,10 @@ impl RunLog {
                 places,
                 "the robot does not know where it is: several places fit what it sees"
             ),
+            Sought::TooMany => tracing::warn!(
+                tick,
+                "the robot does not know where it is: too many places fit a little to look at all of them"
+            ),
             Sought::Nowhere => tracing::warn!(
                 tick,
                 "the robot does not know where it is: no place on the map fits what it sees"

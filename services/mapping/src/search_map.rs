@@ -12,7 +12,7 @@ const LEVELS: usize = 6;
 /// Cells that the grids begin before the map: a square that begins there may reach into it.
 const BEFORE: i32 = 1 << (LEVELS - 1);
 
-/// Least side of a cell. [m]
+/// Side of a cell that is aimed at, in whole cells of the map. [m]
 const CELL_M: f64 = 0.1;
 
 /// Most cells; of more, they are larger.

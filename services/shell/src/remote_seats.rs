@@ -26,6 +26,9 @@ const LINE_BYTES_MAX: usize = 32 * 1024;
 /// Longest [`Program::keys`]. [bytes]
 pub const KEYS_BYTES_MAX: usize = 1024;
 
+/// Longest [`Program::binary`]. [bytes]
+pub const BINARY_BYTES_MAX: usize = 255;
+
 /// Longest [`Held::why`]. [characters]
 pub const WHY_CHARS_MAX: usize = 160;
 

@@ -108,7 +108,7 @@ pub(super) fn restarts(bench: &mut Bench) -> Result<Measured, String> {
             Figure::median(&recoveries),
             Figure::percentile(&recoveries, 0.9),
             Figure::percentile(&recoveries, 0.99),
-            Figure::plain(recoveries.last().copied()),
+            Figure::plain(recoveries.iter().copied().max_by(f64::total_cmp)),
             Figure::plain(result["contacts"].as_f64()),
             Figure::plain(Some(f64::from(u8::from(result["reached"] == true)))),
         ],

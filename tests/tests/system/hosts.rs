@@ -296,6 +296,8 @@ fn delays_on_a_host_with_another_clock_are_found_in_their_hops() {
         let result = robot.finish().expect(0);
         safe_and_there(&result);
         assert_eq!(result["restarts"], json!([]), "{result:#}");
+        let ahead_us = result["link"]["ahead_us"].as_f64().expect("an offset");
+        assert!((ahead_us - 5.0e9).abs() < 1.0e6, "{ahead_us} us ahead");
         let uncertainty_us = result["link"]["uncertainty_us"].as_f64();
         assert!(
             uncertainty_us.is_some_and(|us| us < TOLERANCE_US),

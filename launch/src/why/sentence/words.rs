@@ -151,8 +151,8 @@ pub(super) fn stale(request: &Request) -> String {
         }
         PlannerInput::Pose => {
             return "The local planner brakes because the robot does not know where it is: the scans \
-                    contradict odometry or the map. It is looked for on the map and goes on once one place fits \
-                    what it sees and no other does as well; the log of mapping says how many do, \
+                    contradict odometry or the map. It goes on when they lie on the map near by; on a fixed static \
+                    map it is also looked for everywhere, and the log of mapping says how that goes. \
                     `zeronav pose` says where it is."
                 .to_owned();
         }

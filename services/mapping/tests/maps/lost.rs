@@ -186,6 +186,11 @@ fn nobody_knows_where_along_a_corridor_it_is() {
     let truth = corridor.pose(600.0, 20.0, 0.2);
     let mut robot = Robot::unknown(&corridor, truth, 3);
     assert_eq!(robot.stand_until(150, is_known), None, "{:?}", robot.off());
+    let sought = robot.mapping.sought();
+    assert!(
+        matches!(sought, Sought::Ambiguous(2..) | Sought::TooMany),
+        "{sought:?}"
+    );
     // One that was told where it is is not lost there.
     let mut robot = Robot::told(&corridor, truth, truth, 3);
     assert_eq!(robot.stand_until(100, Mapping::is_uncertain), None);
@@ -251,6 +256,16 @@ fn what_is_on_no_map_is_nowhere() {
     let mut robot = Robot::unknown(&hall, truth, 4);
     robot.room = ring;
     assert_eq!(robot.stand_until(150, is_known), None, "{:?}", robot.off());
+}
+
+/// Only what ends within `obstacle_range_m` is judged, and counted.
+#[test]
+fn walls_beyond_the_range_that_counts_are_no_reason_to_be_lost() {
+    let mut far = Room::walled(800, 800, 2);
+    far.range_m_max = 30.0;
+    let truth = far.pose(400.0, 400.0, 0.3);
+    let mut robot = Robot::told(&far, truth, truth, 6);
+    assert_eq!(robot.stand_until(60, Mapping::is_uncertain), None);
 }
 
 /// A process that takes the seat over knows what the one before it knew, and not more.

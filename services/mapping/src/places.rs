@@ -1,0 +1,79 @@
+//! Places at which a robot that does not know where it is may be, and the map on which they are looked for.
+
+use crate::beams::{Beam, End};
+use crate::explained::Explained;
+use crate::global_search::GlobalSearch;
+use crate::mapper::Mapper;
+use crate::scan_match::{Match, Surfaces};
+use crate::search_map::SearchMap;
+use nalgebra::{Matrix3, Point2, Vector3};
+use zeronav_msgs::Pose;
+use zeronav_msgs::map::{FLAG_STATIC, FLAG_UNKNOWN};
+use zeronav_msgs::pose::wrap_angle;
+
+/// Deviations of a place that was searched. [m, rad]
+const ROUGH: (f64, f64) = (0.1, 0.05);
+
+/// Places nearer than this are one. [m, rad]
+const SAME: (f64, f64) = (0.2, 0.15);
+
+/// A place, and what it has explained so far.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Held {
+    /// `map_from_base` when the search began.
+    pub(crate) pose: Pose,
+    pub(crate) explained: Explained,
+}
+
+/// True for a beam that ended where beams count.
+pub(crate) fn is_near(beam: &Beam, range_m_max: f64) -> bool {
+    matches!(beam.end, End::Hit(range_m) if range_m <= range_m_max)
+}
+
+/// What a robot has moved between two poses.
+pub(crate) fn motion(from: &Pose, to: &Pose) -> Pose {
+    Pose::from(from.isometry().inverse() * to.isometry())
+}
+
+pub(crate) fn is_same(one: &Pose, other: &Pose) -> bool {
+    one.distance_m(other) <= SAME.0 && wrap_angle(one.yaw_rad - other.yaw_rad).abs() <= SAME.1
+}
+
+/// Lays ends on the map from a pose that is known roughly.
+pub(crate) fn lay(surfaces: &Surfaces, ends: &[Point2<f64>], pose: &Pose) -> Option<Match> {
+    let deviations = Vector3::new(ROUGH.0, ROUGH.0, ROUGH.1);
+    let covariance = Matrix3::from_diagonal(&deviations.component_mul(&deviations));
+    surfaces.lay(ends, pose, &covariance, |_| true)
+}
+
+/// The places that a search has found, made exact, each once.
+pub(crate) fn exact(search: &GlobalSearch, mapper: &Mapper, ends: &[Point2<f64>]) -> Vec<Held> {
+    let mut places: Vec<Held> = Vec::new();
+    for place in search.places() {
+        let laid = (mapper.surfaces()).and_then(|surfaces| lay(surfaces, ends, &place.pose));
+        let pose = laid.map_or(place.pose, |laid| laid.pose);
+        if !places.iter().any(|other| is_same(&other.pose, &pose)) {
+            places.push(Held {
+                pose,
+                explained: Explained::default(),
+            });
+        }
+    }
+    places
+}
+
+/// What is searched: the static map, and where it leaves room.
+pub(crate) fn search_map(mapper: &Mapper, room_m: f64) -> SearchMap {
+    let cells = mapper.cells();
+    let geometry = mapper.geometry();
+    let room_m = room_m.min(0.001 * f64::from(mapper.clearance_limit_mm()));
+    let least_m = room_m - 1.5 * geometry.resolution_m;
+    SearchMap::new(
+        geometry,
+        |index| cells[index].flags & FLAG_STATIC != 0,
+        |index| {
+            let cell = &cells[index];
+            cell.flags & FLAG_UNKNOWN == 0 && 0.001 * f64::from(cell.clearance_mm) >= least_m
+        },
+    )
+}
