@@ -1,9 +1,9 @@
 //! The command line.
 
+use crate::background_load;
 use crate::bag::BagArgs;
 use crate::bag::diff::DiffArgs;
 use crate::bisect::BisectArgs;
-use crate::busy;
 use crate::compare::cli::CompareArgs;
 use crate::debug::DebugArgs;
 use crate::doctor::DoctorArgs;
@@ -200,7 +200,7 @@ pub enum Command {
     #[command(name = no_memory::COMMAND, hide = true)]
     WithoutMemory(ContractArgs),
     /// Compute until standard input is closed; `zeronav latency --load busy` starts it by itself.
-    #[command(name = busy::COMMAND, hide = true)]
+    #[command(name = background_load::COMMAND, hide = true)]
     Busy {
         /// Most seconds.
         limit_s: u64,

@@ -5,9 +5,9 @@ mod messages;
 use crate::film::Film;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::time::{Duration, Instant};
-use zeronav_measure::aside::Aside;
 use zeronav_measure::reasons::Reasons;
-use zeronav_measure::seen::{Seen, TaskReport};
+use zeronav_measure::run_totals::{RunTotals, TaskReport};
+use zeronav_measure::shadow_answers::ShadowAnswers;
 use zeronav_measure::{Records, RunHash};
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
@@ -53,7 +53,7 @@ pub(crate) struct Collector {
     /// For the run's hash.
     pub hash: RunHash,
     /// What counts of the run: everything up to its end.
-    pub seen: Seen,
+    pub totals: RunTotals,
     /// What the stages say of why the robot does what it does.
     pub reasons: Reasons,
     /// The newest truth, also after the end.
@@ -89,7 +89,7 @@ pub(crate) struct Collector {
     /// The last tick that an answer can have.
     last_tick: u64,
     /// Processes whose answers do not count.
-    pub aside: Aside,
+    pub aside: ShadowAnswers,
     /// Seats whose next answer is waited for.
     pub recoveries: Recoveries,
     /// What a player shows of the run.
@@ -143,7 +143,7 @@ impl Collector {
     /// its records the newest stay ([`Records::keep_newest`]).
     pub(crate) fn forget(&mut self) {
         self.records.keep_newest();
-        (self.hash, self.seen) = (RunHash::default(), Seen::default());
+        (self.hash, self.totals) = (RunHash::default(), RunTotals::default());
     }
 
     /// Another reader of the map needs a keyframe.

@@ -1,6 +1,6 @@
 //! `zeronav run`, `zeronav up` and `zeronav suite`, and the exit codes that they end with.
 
-use crate::busy::Burden;
+use crate::background_load::BackgroundLoad;
 use crate::doctor;
 use crate::drive::{Driven, drive};
 use crate::ending::{self, Ending};
@@ -18,12 +18,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use zeronav_console::artifacts;
 use zeronav_console::environment::Before;
 use zeronav_console::exit::{
     EXIT_FAIL, EXIT_INTERRUPTED, EXIT_OUTPUT, EXIT_PASS, EXIT_SERVICE, EXIT_USAGE,
 };
 use zeronav_console::interrupts::interrupts;
-use zeronav_console::leave;
 use zeronav_console::terminal::{complain, lose, note, say, say_json, usage};
 use zeronav_measure::result::RunResult;
 use zeronav_measure::timings::Timings;
@@ -100,7 +100,7 @@ fn run_and_judge(
     before: Before,
     interrupted: &Arc<AtomicBool>,
 ) -> Result<Judged, String> {
-    let _burden = Burden::start(prepared.load)?;
+    let _burden = BackgroundLoad::start(prepared.load)?;
     let Some(wanted) = prepared.trials else {
         let driven = drive(prepared, None, interrupted)?;
         let result = judge(prepared, &driven, before.environment());
@@ -208,12 +208,12 @@ pub(crate) fn exit_code(ending: &Ending, pass: bool) -> ExitCode {
 /// Writes the object that `--json` prints into the run's folder.
 fn write_result(prepared: &Prepared, result: &impl Serialize) -> Result<(), String> {
     let json = serde_json::to_string_pretty(result).map_err(|error| error.to_string())?;
-    leave::write_in(&prepared.folder, crash_result::FILE, &(json + "\n"))
+    artifacts::write_in(&prepared.folder, crash_result::FILE, &(json + "\n"))
 }
 
 /// Writes the recording and the still picture of it.
 fn write_recording(prepared: &Prepared, recording: &Recording) -> Result<(), String> {
-    let write = |name: &str, text: &str| leave::write_in(&prepared.folder, name, text);
+    let write = |name: &str, text: &str| artifacts::write_in(&prepared.folder, name, text);
     let json = serde_json::to_string(recording).map_err(|error| error.to_string())?;
     write(recording::FILE, &(json + "\n"))?;
     write(picture::STILL, &picture::still(recording))
@@ -232,7 +232,7 @@ fn write_trace(prepared: &Prepared, driven: &Driven) -> Result<(), String> {
             .collect(),
     };
     let trace = trace(&driven.collector.records, &about)?;
-    leave::write_in(&prepared.folder, "trace.json", &trace)
+    artifacts::write_in(&prepared.folder, "trace.json", &trace)
 }
 
 /// Writes what a run leaves in its folder.
@@ -247,7 +247,7 @@ fn write_files(
     if prepared.mode == RunMode::Lockstep {
         let last_tick = driven.end_tick.saturating_sub(1);
         let answers = driven.collector.hash.to_csv(last_tick);
-        leave::write_in(&prepared.folder, "answers.csv", &answers)?;
+        artifacts::write_in(&prepared.folder, "answers.csv", &answers)?;
     }
     let mut recording = record::recording(prepared, driven, result, timings);
     let is_reported = !plan.report_failures_only || result.verdict != "pass";

@@ -2,12 +2,12 @@
 
 #![warn(clippy::print_stderr)]
 
+pub mod background_load;
 pub mod bag;
-pub mod began;
 pub mod bisect;
-pub mod busy;
 pub mod cli;
 mod collect;
+pub mod command_start;
 pub mod commands;
 mod companions;
 pub mod compare;
@@ -25,7 +25,6 @@ mod hang_limit;
 pub mod host;
 pub mod import;
 mod judge;
-mod keeper;
 mod known_words;
 pub mod latency;
 pub mod live_view;
@@ -41,7 +40,7 @@ pub mod output_args;
 mod output_file;
 pub mod params;
 pub mod picture;
-mod placed;
+mod placed_obstacles;
 mod prepare;
 mod program;
 mod record;
@@ -52,13 +51,13 @@ pub mod recordings;
 pub mod remote;
 pub mod replay;
 pub mod report;
+mod restarter;
 mod run_plan;
 mod running;
 #[cfg(test)]
 mod same_moment;
 mod seat_report;
 pub mod show;
-mod shuttle;
 pub mod start_up;
 mod starvation;
 mod stay_result;
@@ -68,6 +67,7 @@ mod swap;
 mod swap_order;
 pub mod top;
 pub mod topics;
+mod trial_runner;
 mod trials;
 pub mod view_recording;
 pub mod why;

@@ -12,9 +12,9 @@ use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs};
 use zeronav::show::log;
 use zeronav::{
-    bag, began, bisect, busy, commands, compare, completions, debug, doctor, host, import, latency,
-    logs, look, map_save, params, picture, recordings, remote, replay, report, start_up, top,
-    topics, view_recording, why,
+    background_load, bag, bisect, command_start, commands, compare, completions, debug, doctor,
+    host, import, latency, logs, look, map_save, params, picture, recordings, remote, replay,
+    report, start_up, top, topics, view_recording, why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -25,7 +25,7 @@ use zeronav_supervise::{cleaner, warden, will};
 
 // long: a line for each verb
 fn main() -> ExitCode {
-    began::note();
+    command_start::note();
     let cli = match command_line() {
         Ok(cli) => cli,
         Err(code) => return code,
@@ -38,7 +38,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     if let Command::Busy { limit_s } = cli.command {
-        busy::compute(limit_s);
+        background_load::compute(limit_s);
         return ExitCode::SUCCESS;
     }
     if let Command::WithoutMemory(arguments) = &cli.command {

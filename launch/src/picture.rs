@@ -4,7 +4,7 @@ use crate::show::picture::{Area, Line, Picture};
 use crate::show::recording::{FILE, RecordedPath, Recording};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_console::terminal::{lose, say, usage};
 use zeronav_files::read;
 use zeronav_msgs::Pose;
@@ -30,7 +30,7 @@ pub fn picture(run: &Path, out: Option<&Path>, animated: bool) -> ExitCode {
     } else {
         still(&recording)
     };
-    match leave::write(&out, &svg) {
+    match artifacts::write(&out, &svg) {
         Ok(()) => say(&format!("{}\n", out.display())),
         Err(problem) => lose(&problem),
     }

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::Duration;
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_files::Folder;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode};
@@ -131,7 +131,7 @@ pub(crate) struct Checked {
     pub world: World,
     /// The robot's outline.
     pub footprint: Footprint,
-    /// What its author may not have meant.
+    /// Warnings: what is probably not intended.
     pub warnings: Vec<String>,
     /// The binary of each seat that launch fills. Each has accepted its configuration.
     pub binaries: BTreeMap<Role, PathBuf>,
@@ -474,18 +474,18 @@ fn run_folder(plan: &RunPlan, scenario: &str) -> Result<(Folder, Folder), String
             made.map_err(|error| match error.kind() {
                 ErrorKind::PermissionDenied => format!(
                     "{}: name a folder of your own with --out",
-                    leave::refused(&path, &error)
+                    artifacts::refused(&path, &error)
                 ),
                 ErrorKind::AlreadyExists => format!(
                     "{}: it is there already; give --folder another name",
                     path.display()
                 ),
-                _ => leave::refused(&path, &error),
+                _ => artifacts::refused(&path, &error),
             })?
         }
-        None => leave::new_folder(&plan.out, scenario)?,
+        None => artifacts::new_folder(&plan.out, scenario)?,
     };
     let logs = folder.create("logs");
-    let logs = logs.map_err(|error| leave::refused(&folder.path().join("logs"), &error))?;
+    let logs = logs.map_err(|error| artifacts::refused(&folder.path().join("logs"), &error))?;
     Ok((folder, logs))
 }

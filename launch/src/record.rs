@@ -46,7 +46,7 @@ pub(crate) fn of_stay(prepared: &Prepared, driven: &Driven, outcome: &str) -> Re
 /// The recording of a run with an end.
 pub(crate) fn of_run(subject: &Subject<'_>, outcome: &str, timings: Option<Timings>) -> Recording {
     let collector = subject.collector;
-    let truth = collector.seen.truth.unwrap_or_default();
+    let truth = collector.totals.truth.unwrap_or_default();
     let moments = judge::moments(subject);
     let about = Recording {
         driven_m: truth.driven_m,
@@ -191,7 +191,7 @@ fn pose(run_ns: u64, pose: &Pose, subject: &Subject<'_>) -> [f64; 4] {
 }
 
 fn obstacles(subject: &Subject<'_>) -> Vec<RecordedObstacle> {
-    let seen = &subject.collector.seen.motion.obstacles;
+    let seen = &subject.collector.totals.motion.obstacles;
     let recorded = |(index, poses): (&usize, &Vec<(u64, Pose)>)| {
         let obstacle = subject.world.obstacles().get(*index)?;
         let own_frame = obstacle.shape.placed_at(&Pose::default());

@@ -9,7 +9,7 @@ use parameters::Asked;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_scenario::companions::RECORDER;
 use zeronav_supervise::binaries;
 use zeronav_supervise::own_time::Patience;
@@ -70,7 +70,7 @@ pub(crate) fn start_recorder(
 fn write_scenario(prepared: &Prepared) -> Result<PathBuf, String> {
     let name = format!("{}.toml", prepared.scenario.name);
     let text = prepared.scenario.to_toml(prepared.seed)?;
-    leave::write_in(&prepared.folder, &name, &text)?;
+    artifacts::write_in(&prepared.folder, &name, &text)?;
     Ok(prepared.folder.path().join(name))
 }
 

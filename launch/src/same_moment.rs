@@ -13,7 +13,7 @@ use zeronav_msgs::path::{Path, PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_observe::health::Heart;
-use zeronav_observe::way::{DIRECT, HOPS, THROUGH_MAP};
+use zeronav_observe::hop_chain::{DIRECT, HOPS, THROUGH_MAP};
 use zeronav_viewer::model::Model as Page;
 
 const US: u64 = 1_000;

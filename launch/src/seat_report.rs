@@ -1,7 +1,7 @@
 //! How each seat did: who answered there last, and how it ended.
 
-use crate::keeper::Keeper;
 use crate::prepare::Prepared;
+use crate::restarter::Restarter;
 use zeronav_measure::result::ServiceResult;
 use zeronav_msgs::role::Role;
 use zeronav_supervise::Stack;
@@ -12,7 +12,7 @@ use zeronav_supervise::occupant::{Occupant, file_name};
 #[must_use]
 pub(crate) fn stop(
     stack: &mut Stack,
-    keeper: &Keeper<'_>,
+    restarter: &Restarter<'_>,
     prepared: &Prepared,
 ) -> Vec<ServiceResult> {
     let died: Vec<Role> = stack
@@ -46,9 +46,9 @@ pub(crate) fn stop(
             host: prepared.host_of(role),
             external: false,
             key: None,
-            starts: keeper.starts(role),
+            starts: restarter.starts(role),
             scheduling: child.scheduling().cloned(),
-            memory_peak_bytes: (keeper.memory_peak_bytes(role)).max(child.memory_peak_bytes()),
+            memory_peak_bytes: (restarter.memory_peak_bytes(role)).max(child.memory_peak_bytes()),
             end,
         });
     }

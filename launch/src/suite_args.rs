@@ -202,7 +202,7 @@ fn world_range(text: &str) -> Result<Range<u32>, String> {
     };
     let range = number(from)?..number(until)?;
     if range.is_empty() {
-        return Err(format!("no world lies in {text}"));
+        return Err(format!("range {text} contains no world"));
     }
     Ok(range)
 }

@@ -5,7 +5,7 @@ use crate::ending::Ending;
 use crate::floor;
 use crate::prepare::Prepared;
 use crate::run_plan::TRIAL_ROUNDS;
-use crate::shuttle::{Quota, Trial};
+use crate::trial_runner::{Quota, Trial};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zeronav_measure::DEADLINE_NS;
@@ -16,7 +16,7 @@ use zeronav_measure::result::latency::Latency;
 use zeronav_measure::result::profile::Profile;
 use zeronav_measure::result::trials::{Load, Round, SlowHop, SlowTrial};
 use zeronav_measure::timings::{Drive, Gathering, Timings};
-use zeronav_observe::way::HOPS;
+use zeronav_observe::hop_chain::HOPS;
 
 /// Slowest trials that are listed with what disturbed them.
 const WORST: usize = 10;
@@ -218,7 +218,7 @@ mod tests {
     use super::*;
     use zeronav_measure::result::latency::Hop;
     use zeronav_measure::{EventOutcome, Records};
-    use zeronav_observe::way::{ALL, Way};
+    use zeronav_observe::hop_chain::{ALL, HopChain};
 
     #[test]
     fn the_usual_time_is_said_in_whole_minutes() {
@@ -239,7 +239,7 @@ mod tests {
                 outcome: EventOutcome::Answered,
                 replanning_ns: replanning_us.map(|us| us * 1000),
                 event_to_motion_ns: None,
-                way: Some(Way {
+                way: Some(HopChain {
                     hops: &ALL,
                     boundaries_ns,
                     second_ns: None,

@@ -53,7 +53,7 @@ fn of_messages(file: &Path) -> Result<OfMessages, String> {
     let drive = RecordedDrive::read(file)?;
     let subject = drive.subject();
     let found = &drive.recorded.found;
-    let seen = &subject.collector.seen;
+    let seen = &subject.collector.totals;
     let imported = found.metadata.get(IMPORTED);
     let reasons = &subject.collector.reasons;
     let mut about = vec![

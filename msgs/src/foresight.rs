@@ -45,7 +45,7 @@ message! {
         pub vx_mps: f64,
         /// [m/s] `map` frame.
         pub vy_mps: f64,
-        /// [m] 0 to 10. Of what is no disc, of the disc around it.
+        /// [m] 0 to 10. For other shapes: radius of the enclosing disc.
         pub radius_m: f64,
         /// [s] until it vanishes; 1e9 = it stays.
         pub lasts_s: f64,
@@ -122,7 +122,7 @@ mod tests {
             ..Foreseen::default()
         };
         for (step, x_m) in (0_u32..).zip(&mut walker.x_m) {
-            // At 1 m/s, and 5 m away from the second second on.
+            // At 1 m/s, and 5 m away from t = 2 s on.
             *x_m = 0.1 * f64::from(step) + if step > 20 { 5.0 } else { 0.0 };
         }
         let near = |after_s: f64, x_m: f64| {

@@ -2407,7 +2407,7 @@ struct Foreseen {
     double vx_mps{};
     /// [m/s] `map` frame.
     double vy_mps{};
-    /// [m] 0 to 10. Of what is no disc, of the disc around it.
+    /// [m] 0 to 10. For other shapes: radius of the enclosing disc.
     double radius_m{};
     /// [s] until it vanishes; 1e9 = it stays.
     double lasts_s{};

@@ -4,10 +4,10 @@
 #![warn(clippy::print_stderr)]
 
 pub mod arguments;
+pub mod artifacts;
 pub mod environment;
 pub mod exit;
 pub mod interrupts;
-pub mod leave;
 pub mod progress;
 pub mod svg;
 pub mod terminal;

@@ -2,7 +2,7 @@
 
 use super::others::{Others, TASK_GOAL};
 use super::program::{Program, last_line};
-use super::raw::{RawPeer, RawReader, Seen};
+use super::raw::{RawPeer, RawReader, Received};
 use super::robot::TICK_NS;
 use rustix::process::Signal;
 use std::ffi::OsString;
@@ -59,7 +59,7 @@ pub(crate) struct Bench {
     /// Its process.
     pub child: Option<Child>,
     /// Everything that the program sent and that was not taken yet.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<Received>,
     /// Every record of the seat that was not taken yet.
     pub records: Vec<Span>,
     /// Its heartbeats: when they were sent, and what they said. [ns]

@@ -1,7 +1,7 @@
 //! What an output may say: the contract of its topic, and what its seat may never ask for.
 
 use super::others::TASK_GOAL;
-use super::raw::Seen;
+use super::raw::Received;
 use super::robot::description;
 use super::room::{Room, geometry};
 use nalgebra::Point2;
@@ -23,7 +23,7 @@ const BEGINNING_M: f64 = 0.3;
 ///
 /// # Errors
 /// What is wrong, with topic and tick.
-pub(crate) fn check(message: &Seen) -> Result<(), String> {
+pub(crate) fn check(message: &Received) -> Result<(), String> {
     let named = |why: String| {
         format!(
             "{} of tick {}: {why}",
@@ -49,7 +49,7 @@ pub(crate) fn check(message: &Seen) -> Result<(), String> {
 ///
 /// # Errors
 /// What it says instead.
-pub(crate) fn check_idle(message: &Seen) -> Result<(), String> {
+pub(crate) fn check_idle(message: &Received) -> Result<(), String> {
     let standing = |v_mps: f64, w_radps: f64| v_mps == 0.0 && w_radps == 0.0;
     let idle = if let Some(path) = message.meta::<PlanPath>() {
         path.n_waypoints == 0 && path.goal == 0

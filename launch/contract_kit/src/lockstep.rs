@@ -5,7 +5,7 @@ use super::clause::Clause;
 use super::legal;
 use super::others::{Missing, Others};
 use super::program::Program;
-use super::raw::Seen;
+use super::raw::Received;
 use super::report::Report;
 use super::robot::{Robot, scan_due};
 use super::room::Room;
@@ -37,7 +37,7 @@ const BEAT_NS_MAX: u64 = 100_000_000;
 
 /// What the program did in one play.
 struct Trace {
-    messages: Vec<Seen>,
+    messages: Vec<Received>,
     records: Vec<Span>,
     /// The first tick that was not answered.
     missing: Option<u64>,

@@ -20,7 +20,7 @@ pub(crate) struct RawPeer {
 
 /// A message as it was read.
 #[derive(Debug, Clone)]
-pub(crate) struct Seen {
+pub(crate) struct Received {
     /// Its topic.
     pub row: &'static TopicRow,
     /// Its header, whatever it holds.
@@ -33,7 +33,7 @@ pub(crate) struct Seen {
     pub refusal: Option<Refusal>,
 }
 
-impl Seen {
+impl Received {
     /// The fixed fields as those of topic `T`; `None` on another topic.
     pub(crate) fn meta<T: Topic>(&self) -> Option<T::Meta> {
         (self.row.name == T::ROW.name).then(|| bytemuck::pod_read_unaligned(&self.meta))
@@ -61,7 +61,7 @@ impl Seen {
 }
 
 /// Reads everything on a topic.
-pub(crate) type RawReader = Box<dyn FnMut(&mut Vec<Seen>)>;
+pub(crate) type RawReader = Box<dyn FnMut(&mut Vec<Received>)>;
 
 type Factory<T> = PortFactory<ipc::Service, [<T as Topic>::Item], <T as Topic>::Envelope>;
 
@@ -110,7 +110,7 @@ impl RawPeer {
         Ok(Box::new(move |seen| {
             while let Ok(Some(sample)) = subscriber.receive() {
                 let envelope: &T::Envelope = sample.user_header();
-                seen.push(Seen {
+                seen.push(Received {
                     row,
                     header: *envelope.header(),
                     meta: bytemuck::bytes_of(envelope.meta()).to_vec(),

@@ -7,7 +7,7 @@ use super::legal;
 use super::lockstep::wanted;
 use super::others::Missing;
 use super::program::Program;
-use super::raw::Seen;
+use super::raw::Received;
 use super::report::Report;
 use super::robot::{Robot, SCAN_TICKS, TICK_NS, scan_due};
 use super::room::Room;
@@ -204,10 +204,10 @@ impl Play {
         let seen = &self.bench.seen;
         let stale = seen
             .iter()
-            .filter_map(Seen::meta::<MapUpdate>)
+            .filter_map(Received::meta::<MapUpdate>)
             .any(|it| it.current == 0);
-        let request = seen.iter().rev().find_map(Seen::meta::<ControlRequest>);
-        let command = seen.iter().rev().find_map(Seen::meta::<RobotCommand>);
+        let request = seen.iter().rev().find_map(Received::meta::<ControlRequest>);
+        let command = seen.iter().rev().find_map(Received::meta::<RobotCommand>);
         let twist = request.map(|it| (it.v_mps, it.w_radps, it.validity()));
         let twist = twist.or(command.map(|it| (it.v_mps, it.w_radps, None)));
         match (self.bench.program.role, twist) {
@@ -296,7 +296,7 @@ impl Play {
             for seen in self.bench.seen.iter().filter(|_| judge) {
                 legal::check(seen)?;
             }
-            let answers = |seen: &Seen| seen.row.name == owed && seen.header.tick >= from;
+            let answers = |seen: &Received| seen.row.name == owed && seen.header.tick >= from;
             if self.bench.seen.iter().any(answers) {
                 return Ok(());
             }

@@ -11,17 +11,17 @@ use crate::result::profile::CommandGaps;
 use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
-use zeronav_observe::way::{self, DIRECT};
+use zeronav_observe::hop_chain::{self, DIRECT};
 
 /// The hops behind a command, from the robot's odometry on.
 const HOPS: [&str; 5] = {
     let [robot, to_local, local, to_guard, guard, _] = DIRECT;
     [
-        way::HOPS[robot],
-        way::HOPS[to_local],
-        way::HOPS[local],
-        way::HOPS[to_guard],
-        way::HOPS[guard],
+        hop_chain::HOPS[robot],
+        hop_chain::HOPS[to_local],
+        hop_chain::HOPS[local],
+        hop_chain::HOPS[to_guard],
+        hop_chain::HOPS[guard],
     ]
 };
 

@@ -2,7 +2,7 @@
 
 use crate::result::latency::Figures;
 use hdrhistogram::Histogram;
-pub use zeronav_observe::way::to_us;
+pub use zeronav_observe::hop_chain::to_us;
 
 /// Times and the samples that found no answer before their deadline.
 #[derive(Debug, Clone)]

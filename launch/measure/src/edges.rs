@@ -11,7 +11,7 @@ use zeronav_msgs::topics::{
 
 /// A topic on its way to one of its readers.
 #[derive(Debug, Clone, Copy)]
-pub struct Way {
+pub struct TopicEdge {
     /// Name of the topic.
     pub topic: &'static str,
     /// Its author.
@@ -26,14 +26,14 @@ pub struct Way {
 
 /// Every edge whose messages are named in the records of their readers, in the order of the data
 /// flow.
-pub const EDGES: [Way; 9] = {
+pub const EDGES: [TopicEdge; 9] = {
     const fn edge(
         topic: &'static str,
         [author, reader]: [Role; 2],
         sent: fn(&Span) -> u64,
         read: fn(&Span) -> u64,
-    ) -> Way {
-        Way {
+    ) -> TopicEdge {
+        TopicEdge {
             topic,
             author,
             reader,
@@ -86,7 +86,7 @@ pub const EDGES: [Way; 9] = {
     ]
 };
 
-impl Way {
+impl TopicEdge {
     /// True when the record says what its process sent here.
     #[must_use]
     pub fn is_sent_by(&self, span: &Span) -> bool {
@@ -109,7 +109,7 @@ impl Way {
 /// The messages of every edge.
 #[must_use]
 pub fn edges(records: &Records) -> Vec<Edge> {
-    let edge = |way: &Way| {
+    let edge = |way: &TopicEdge| {
         let ids = |is: &dyn Fn(&Span) -> bool, id: fn(&Span) -> u64| -> BTreeSet<u64> {
             let spans = records.spans.iter().filter(|span| is(span));
             spans.map(id).collect()

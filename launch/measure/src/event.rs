@@ -16,7 +16,7 @@ use serde::Serialize;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
-use zeronav_observe::way::{HOPS, Way};
+use zeronav_observe::hop_chain::{HOPS, HopChain};
 
 /// How an event ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -44,7 +44,7 @@ pub struct Event {
     /// applied(c) - appearance. [ns]
     pub event_to_motion_ns: Option<u64>,
     /// The way from captured(s) to applied(c).
-    pub way: Option<Way>,
+    pub way: Option<HopChain>,
     /// True when a path answered it, but the records lead from there to no command.
     pub way_broken: bool,
     /// Later paths that made good for what of O had not been seen before.
@@ -191,7 +191,7 @@ fn answered(
     start: &Span,
     sighting: &Sighting,
 ) -> Option<Event> {
-    let way = Way::from_earlier(start, joins.of_path(path.id, path.map)?);
+    let way = HopChain::from_earlier(start, joins.of_path(path.id, path.map)?);
     let [.., commanded_ns, applied_ns] = way.boundaries_ns[..] else {
         return None;
     };

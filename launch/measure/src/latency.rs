@@ -9,7 +9,7 @@ use super::series::Series;
 use crate::result::latency::{EveryScan, Figures, Hop, Latency, SecondClock};
 use std::collections::{BTreeMap, BTreeSet};
 use zeronav_msgs::span::Span;
-use zeronav_observe::way::{ALL, DIRECT, HOPS, THROUGH_MAP, Way};
+use zeronav_observe::hop_chain::{ALL, DIRECT, HOPS, HopChain, THROUGH_MAP};
 
 /// Latencies of all events and all scans. `radius_m` is that of the swept robot, `deadline_ns`
 /// the time after which an event or a scan counts as unanswered.
@@ -65,12 +65,13 @@ impl Ways {
         let mut ways = Self::new();
         let (mut scans, mut paths) = (BTreeSet::new(), BTreeSet::new());
         for applied in joins.applied() {
-            if let Some((spans, way)) = ways.look(joins.direct(applied), Way::direct)
+            if let Some((spans, way)) = ways.look(joins.direct(applied), HopChain::direct)
                 && scans.insert(spans[0].scan)
             {
                 add(&mut ways.direct, &way);
             }
-            if let Some((spans, way)) = ways.look(joins.through_map(applied), Way::through_map) {
+            if let Some((spans, way)) = ways.look(joins.through_map(applied), HopChain::through_map)
+            {
                 ways.followed += 1;
                 ways.compare(&way);
                 // What is said again about the same scan is no further way of that scan.
@@ -86,8 +87,8 @@ impl Ways {
     fn look<'a, const N: usize>(
         &mut self,
         followed: Result<[&'a Span; N], End>,
-        way: fn([&Span; N]) -> Way,
-    ) -> Option<([&'a Span; N], Way)> {
+        way: fn([&Span; N]) -> HopChain,
+    ) -> Option<([&'a Span; N], HopChain)> {
         match followed {
             Ok(spans) => {
                 let way = way(spans);
@@ -102,11 +103,11 @@ impl Ways {
         }
     }
 
-    fn count(&mut self, way: &Way) {
+    fn count(&mut self, way: &HopChain) {
         self.out_of_order.extend(way.out_of_order());
     }
 
-    fn compare(&mut self, way: &Way) {
+    fn compare(&mut self, way: &HopChain) {
         let (Some(second_ns), Some(difference_ns)) = (way.second_ns, way.difference_ns()) else {
             return;
         };
@@ -133,7 +134,7 @@ impl Ways {
     }
 }
 
-fn add(hops: &mut [Series; HOPS.len()], way: &Way) {
+fn add(hops: &mut [Series; HOPS.len()], way: &HopChain) {
     for (place, length_ns) in way.lengths_ns() {
         hops[place].add(length_ns);
     }

@@ -4,7 +4,6 @@
 //! paths and the sightings of obstacles in the map. Nothing is measured here; every time is a
 //! difference of clock readings that the processes took themselves.
 
-pub mod aside;
 pub mod bootstrap;
 mod command_gaps;
 pub mod command_lag;
@@ -22,8 +21,9 @@ pub mod profile;
 pub mod reaction;
 pub mod reasons;
 pub mod result;
-pub mod seen;
+pub mod run_totals;
 pub mod series;
+pub mod shadow_answers;
 pub mod start_up;
 pub mod timings;
 pub mod trace;

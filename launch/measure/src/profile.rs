@@ -14,8 +14,8 @@ use crate::result::profile::{CommandGaps, Edge, Profile, ProfileRow};
 use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
+use zeronav_observe::hop_chain::{ALL, DIRECT, HOPS, THROUGH_MAP};
 use zeronav_observe::statistics::percentile;
-use zeronav_observe::way::{ALL, DIRECT, HOPS, THROUGH_MAP};
 
 /// Consecutive scans that are resampled together: what disturbs one often disturbs the next.
 const SCANS_PER_BLOCK: usize = 10;

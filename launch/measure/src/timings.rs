@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::time::seconds;
-use zeronav_observe::way::{ALL, HOPS};
+use zeronav_observe::hop_chain::{ALL, HOPS};
 
 /// Slowest answers that are kept, of reactions and of replannings each.
 const SLOWEST: usize = 10;

@@ -24,7 +24,7 @@ pub struct Checked {
     pub world: World,
     /// The outline of its robot.
     pub footprint: Footprint,
-    /// What its author may not have meant.
+    /// Warnings: what is probably not intended.
     pub warnings: Vec<MapWarning>,
 }
 

@@ -42,9 +42,9 @@ enum Step {
 
 /// The way to a value, and how it reads with and without the numbers of lists.
 #[derive(Debug, Clone, Default)]
-struct Way(Vec<Step>);
+struct FieldPath(Vec<Step>);
 
-impl Way {
+impl FieldPath {
     fn then(&self, step: Step) -> Self {
         Self(self.0.iter().cloned().chain([step]).collect())
     }
@@ -86,7 +86,7 @@ impl Way {
 }
 
 /// All values below `value`, tables and lists, too.
-fn walk(value: &Value, way: &Way, visit: &mut impl FnMut(&Way, &Value)) {
+fn walk(value: &Value, way: &FieldPath, visit: &mut impl FnMut(&FieldPath, &Value)) {
     visit(way, value);
     match value {
         // What a service is told is its own affair.
@@ -128,7 +128,12 @@ impl Desk {
     }
 
     /// What is wrong with the document after `change` to the value at `way`; empty for nothing.
-    fn complaint(&self, document: &Value, way: &Way, change: impl FnOnce(&mut Value)) -> String {
+    fn complaint(
+        &self,
+        document: &Value,
+        way: &FieldPath,
+        change: impl FnOnce(&mut Value),
+    ) -> String {
         let mut changed = document.clone();
         change(way.value(&mut changed));
         let complaint = self.said_of(&changed);
@@ -149,7 +154,7 @@ fn every_number_has_a_range() {
     let (desk, mut seen) = (Desk::new(), BTreeSet::new());
     for document in documents().into_iter().map(Value::Table) {
         let mut numbers = Vec::new();
-        walk(&document, &Way::default(), &mut |way, value| {
+        walk(&document, &FieldPath::default(), &mut |way, value| {
             let is_number = value.is_float() || value.is_integer();
             if is_number && !way.kind().contains(".config") && seen.insert(way.kind()) {
                 numbers.push((way.clone(), value.is_float()));
@@ -184,7 +189,7 @@ fn every_list_of_fixed_length_is_counted() {
     let (desk, mut seen) = (Desk::new(), BTreeSet::new());
     for document in documents().into_iter().map(Value::Table) {
         let mut lists = Vec::new();
-        walk(&document, &Way::default(), &mut |way, value| {
+        walk(&document, &FieldPath::default(), &mut |way, value| {
             let of_numbers = value.as_array().is_some_and(|list| {
                 !list.is_empty() && list.iter().all(|item| item.is_float() || item.is_integer())
             });
@@ -217,7 +222,7 @@ fn every_misspelt_field_is_found_and_no_field_is_left_out() {
     let mut fields: BTreeMap<(String, String), BTreeSet<String>> = BTreeMap::new();
     let mut tables = Vec::new();
     for document in &documents {
-        walk(document, &Way::default(), &mut |way, value| {
+        walk(document, &FieldPath::default(), &mut |way, value| {
             let Some(table) = value
                 .as_table()
                 .filter(|_| !way.kind().ends_with(".config"))

@@ -5,10 +5,10 @@ use super::{
     sensed_at,
 };
 use crate::film;
-use zeronav_measure::aside::AHEAD_TICKS;
 use zeronav_measure::index::{PathRecord, Sensed, Sighting};
 use zeronav_measure::result::moment::Task;
-use zeronav_measure::seen::{Fact, TaskReport};
+use zeronav_measure::run_totals::{Fact, TaskReport};
+use zeronav_measure::shadow_answers::AHEAD_TICKS;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::replica::Step;
@@ -62,7 +62,7 @@ impl Collector {
     /// Takes in what the robot is.
     pub(crate) fn description(&mut self, view: View<'_, RobotDescription>) {
         self.film.description(view.meta, view.items);
-        self.seen.lag.description(view.meta);
+        self.totals.lag.description(view.meta);
     }
 
     /// Takes in the goals of a task that begins. Numbers of goals are not used again.
@@ -86,7 +86,7 @@ impl Collector {
             self.sights.push(Sight { tick, centre_m });
         }
         let fact = Fact::Truth(*view.meta, view.items.to_vec());
-        self.seen.hear(tick, run_ns, fact);
+        self.totals.hear(tick, run_ns, fact);
     }
 
     /// Takes in what the local planner asks for.
@@ -98,17 +98,17 @@ impl Collector {
     /// Takes in what the guard does.
     pub(crate) fn command(&mut self, view: View<'_, RobotCommand>) {
         let (tick, run_ns) = (view.header.tick, view.header.run_ns);
-        self.seen.lag.command(run_ns, view.meta);
+        self.totals.lag.command(run_ns, view.meta);
         (self.film).command(run_ns, view.header.parents.request, view.meta);
         self.aside.command(tick, self.last_tick);
         self.reasons.command(tick, run_ns, view.meta);
-        (self.seen).hear(tick, run_ns, Fact::Command(view.meta.intervention()));
+        (self.totals).hear(tick, run_ns, Fact::Command(view.meta.intervention()));
     }
 
     /// Takes in where the wheels say the robot is.
     pub(crate) fn odometry(&mut self, view: View<'_, RobotOdometry>) {
         self.odometry = Some(*view.meta);
-        self.seen.lag.odometry(view.header.run_ns, view.meta);
+        self.totals.lag.odometry(view.header.run_ns, view.meta);
         if view.meta.v_mps.abs() > MOVING_MPS || view.meta.w_radps.abs() > MOVING_RADPS {
             self.first_motion_tick.get_or_insert(view.header.tick);
         }
@@ -116,7 +116,7 @@ impl Collector {
         (self.film).odometry(view.header.tick, view.header.run_ns, view.meta);
         if view.meta.scan_due() {
             let fact = Fact::Odometry(view.meta.pose);
-            (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+            (self.totals).hear(view.header.tick, view.header.run_ns, fact);
         }
     }
 
@@ -135,7 +135,7 @@ impl Collector {
         }
         self.tracked.push_back((scan, view.items.to_vec()));
         let fact = Fact::Moving(scan, view.items.to_vec());
-        (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+        (self.totals).hear(view.header.tick, view.header.run_ns, fact);
     }
 
     /// Takes in the whole map.
@@ -152,7 +152,7 @@ impl Collector {
         if scan != 0 && view.meta.is_last_part() {
             self.located = Some((view.header.tick, view.meta.map_from_odom));
             let fact = Fact::Placed(scan, view.meta.map_from_odom);
-            (self.seen).hear(view.header.tick, view.header.run_ns, fact);
+            (self.totals).hear(view.header.tick, view.header.run_ns, fact);
         }
         if self.replica.update(view.header.id(), view.meta, view.items) != Step::Applied {
             return;
@@ -252,7 +252,8 @@ impl Collector {
         let is_then = tick == view.header.tick;
         let run_ns = if is_then { view.header.run_ns } else { 0 };
         self.reasons.task(tick, run_ns, told);
-        self.seen.hear(tick, view.header.run_ns, Fact::Task(report));
+        self.totals
+            .hear(tick, view.header.run_ns, Fact::Task(report));
     }
 
     fn sightings(&mut self, run_ns: u64, truth: &Truth, obstacles: &[TruthObstacle]) {

@@ -10,7 +10,7 @@ use crate::drive::drive;
 use crate::ending::Ending;
 use crate::prepare::{Prepared, prepare};
 use crate::run_plan::{RunPlan, Source};
-use crate::shuttle::Quota;
+use crate::trial_runner::Quota;
 use crate::trials::{timing, usual_time};
 use cli::CompareArgs;
 use core::fmt::Write;
@@ -19,10 +19,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use zeronav_console::artifacts;
 use zeronav_console::environment;
 use zeronav_console::exit::EXIT_PASS;
 use zeronav_console::interrupts::interrupts;
-use zeronav_console::leave;
 use zeronav_console::terminal::{lose, note, say, say_json, usage};
 use zeronav_measure::distribution::to_us;
 use zeronav_measure::paired::{self, ROUNDS, Ratio};
@@ -189,7 +189,7 @@ fn turns(
 fn keep(comparison: &Comparison, first: &Prepared) {
     let text = serde_json::to_string_pretty(comparison).map_err(|error| error.to_string());
     let written =
-        text.and_then(|text| leave::write_in(&first.folder, "comparison.json", &(text + "\n")));
+        text.and_then(|text| artifacts::write_in(&first.folder, "comparison.json", &(text + "\n")));
     if let Err(problem) = written {
         lose(&problem);
     }

@@ -74,7 +74,7 @@ impl Session<'_> {
                 child.ended().is_none() && !child.is_stopped()
             }
             Some(_) => true,
-            None => self.keeper.is_busy(),
+            None => self.restarter.is_busy(),
         };
         if !holds {
             self.faults.hold = None;
@@ -92,7 +92,7 @@ impl Session<'_> {
         stack: &mut Stack,
         fault: &StackFault,
     ) -> Result<(), String> {
-        if self.shuttle.is_some() {
+        if self.trial_runner.is_some() {
             return Err("the run measures latencies; a fault would change them".to_owned());
         }
         let mode = self.prepared.mode;
@@ -220,7 +220,7 @@ impl Session<'_> {
         };
         if let (Some(signal), Some((role, epoch))) = (signal, process) {
             stack.signal(role, signal);
-            self.keeper.strike(role, epoch);
+            self.restarter.strike(role, epoch);
             self.collector.recoveries.wait_for(Awaited {
                 id,
                 role,

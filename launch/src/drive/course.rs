@@ -1,11 +1,11 @@
 //! Where the trials of a run are made.
 
 use crate::prepare::Prepared;
-use crate::shuttle::{Course, Quota, Shuttle};
+use crate::trial_runner::{Course, Quota, TrialRunner};
 use zeronav_measure::DEADLINE_NS;
 
 /// The trials of `prepared`'s scenario; `None` when it has none.
-pub(super) fn shuttle(prepared: &Prepared, quota: Quota) -> Option<Shuttle<'_>> {
+pub(super) fn trial_runner(prepared: &Prepared, quota: Quota) -> Option<TrialRunner<'_>> {
     let course = Course {
         spec: prepared.scenario.trials.as_ref()?,
         world: &prepared.world,
@@ -13,5 +13,5 @@ pub(super) fn shuttle(prepared: &Prepared, quota: Quota) -> Option<Shuttle<'_>> 
         scan_period_ns: prepared.scan_period_ns(),
         deadline_ns: DEADLINE_NS,
     };
-    Shuttle::new(course, quota.n, quota.seed)
+    TrialRunner::new(course, quota.n, quota.seed)
 }

@@ -16,8 +16,8 @@ mod swaps;
 mod verbs;
 mod waiting;
 
-use crate::began;
 use crate::collect::Collector;
+use crate::command_start;
 use crate::configs;
 use crate::ending::Ending;
 use crate::host;
@@ -25,7 +25,7 @@ use crate::prepare::Prepared;
 use crate::recorder;
 use crate::seat_report;
 use crate::show::log;
-use crate::shuttle::{Quota, Shuttle, Trial};
+use crate::trial_runner::{Quota, Trial, TrialRunner};
 use session::{Session, reading};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -188,7 +188,7 @@ fn drive_stack(
     let ending = session.run(stack)?;
     let wall = started.elapsed();
     let end_tick = session.end_tick(&ending);
-    session.collector.seen.end_at(end_tick);
+    session.collector.totals.end_at(end_tick);
     session.collector.reasons.end_at(end_tick);
     tracing::info!(outcome = ending.outcome(), end_tick, "the run ends");
     if let Some(folder) = stack.folder() {
@@ -199,20 +199,20 @@ fn drive_stack(
         reading(stack).since(&before, spans)
     });
     let not_reproducible = session.not_reproducible(&ending);
-    let starved = session.keeper.starved();
+    let starved = session.restarter.starved();
     session.heal_all(stack);
     session.stop(stack);
     let shared_memory_bytes = stack.shared_memory_bytes();
-    let services = seat_report::stop(stack, &session.keeper, prepared);
+    let services = seat_report::stop(stack, &session.restarter, prepared);
     session.listen(stack);
     session.collector.film.end();
     let link = host::link_result(stack.root());
     let companions = session.companions.stop();
     session.conclude_recording();
     let (trials, trials_missed) = session
-        .shuttle
+        .trial_runner
         .take()
-        .map(Shuttle::into_trials)
+        .map(TrialRunner::into_trials)
         .unwrap_or_default();
     Ok(Driven {
         trials,
@@ -221,7 +221,7 @@ fn drive_stack(
         ending,
         zero_ns: stack.roster.clock.zero_ns,
         start: StartStamps {
-            command_ns: began::at_ns(),
+            command_ns: command_start::at_ns(),
             prepared_ns: prepared.ready_ns,
             configs_ns,
             ..core::mem::take(&mut session.start)
@@ -234,7 +234,7 @@ fn drive_stack(
         services,
         companions,
         link,
-        restarts: session.keeper.records().to_vec(),
+        restarts: session.restarter.records().to_vec(),
         starved,
         not_reproducible,
         faults: session.faults.results(),

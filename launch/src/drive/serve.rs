@@ -106,7 +106,7 @@ impl Session<'_> {
             Request::Fault { fault } => self.order_fault(stack, &fault)?,
             Request::Heal { target } => self.heal(stack, target.as_deref())?,
             Request::Swap { order } => {
-                if self.shuttle.is_some() {
+                if self.trial_runner.is_some() {
                     return Err("the run measures latencies; a swap would change them".to_owned());
                 }
                 let lease = stack.roster.control.lease;
@@ -129,7 +129,7 @@ impl Session<'_> {
     fn moment(&self, ago_s: f64) -> Result<Box<Moment>, String> {
         let at_s = seconds(self.collector.run_ns) - ago_s;
         let moment = self.collector.reasons.at(nanoseconds(at_s));
-        let none = || format!("nothing is kept of {ago_s} s ago, the run time {at_s:.2} s");
+        let none = || format!("no history for {ago_s} s ago, the run time {at_s:.2} s");
         moment.map(Box::new).ok_or_else(none)
     }
 
@@ -140,7 +140,7 @@ impl Session<'_> {
         repeats: bool,
         time_limit_s: Option<f64>,
     ) -> Result<Order, String> {
-        if self.shuttle.is_some() {
+        if self.trial_runner.is_some() {
             return Err("the run makes trials and takes no other goal".to_owned());
         }
         if goals.is_empty() || goals.len() > GOALS_MAX {
@@ -278,7 +278,7 @@ impl Session<'_> {
             progress: 0,
             memory_peak_bytes: beside.memory_peak_bytes(),
             binary: file_name(&beside.binary),
-            restarts: self.keeper.starts(beside.role) - 1,
+            restarts: self.restarter.starts(beside.role) - 1,
             host: self.prepared.host_of(beside.role),
         })
     }
@@ -312,7 +312,7 @@ impl Session<'_> {
                     progress,
                     memory_peak_bytes: child.memory_peak_bytes(),
                     binary: file_name(&child.binary),
-                    restarts: self.keeper.starts(child.role) - 1,
+                    restarts: self.restarter.starts(child.role) - 1,
                     host: self.prepared.host_of(child.role),
                 }
             })
@@ -331,7 +331,7 @@ impl Session<'_> {
                 progress,
                 memory_peak_bytes: 0,
                 binary: occupant.binary.clone(),
-                restarts: self.keeper.starts(*role) - 1,
+                restarts: self.restarter.starts(*role) - 1,
                 host: None,
             });
         }
@@ -364,7 +364,7 @@ impl Session<'_> {
             swap: self.swaps.result(None).cloned(),
             services: self.service_reports(stack),
             companions: self.companions.reports(),
-            restarts: newest(self.keeper.records()),
+            restarts: newest(self.restarter.records()),
             faults: newest(&self.faults.results()),
             why: String::new(),
         };

@@ -1,6 +1,6 @@
 //! One drive while it goes on.
 
-use super::course::shuttle;
+use super::course::trial_runner;
 use super::faults::Faults;
 use super::pace::Speed;
 use super::standstill::{Standing, Standstill};
@@ -10,12 +10,12 @@ use crate::companions::Companions;
 use crate::control::socket::Server;
 use crate::disturbance::Reading;
 use crate::ending::Ending;
-use crate::keeper::Keeper;
 use crate::orders::{End, Orders};
-use crate::placed::PlacedObstacles;
+use crate::placed_obstacles::PlacedObstacles;
 use crate::prepare::Prepared;
 use crate::recorder::RecordedTicks;
-use crate::shuttle::{Quota, Shuttle, Step};
+use crate::restarter::Restarter;
+use crate::trial_runner::{Quota, Step, TrialRunner};
 use crate::why;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -24,7 +24,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use zeronav_console::progress::{Progress, ProgressLine, Tally};
 use zeronav_console::terminal::note;
-use zeronav_measure::seen::TaskReport;
+use zeronav_measure::run_totals::TaskReport;
 use zeronav_measure::start_up::StartStamps;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
@@ -47,10 +47,10 @@ pub(super) struct Session<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) interrupted: Arc<AtomicBool>,
     pub(super) quota: Option<Quota>,
-    pub(super) shuttle: Option<Shuttle<'a>>,
+    pub(super) trial_runner: Option<TrialRunner<'a>>,
     began: Instant,
     pub(super) collector: Collector,
-    pub(super) keeper: Keeper<'a>,
+    pub(super) restarter: Restarter<'a>,
     line: ProgressLine,
     pub(super) goals_run_ns: u64,
     /// Faults of the scenario and of clients.
@@ -108,10 +108,10 @@ impl<'a> Session<'a> {
             prepared,
             interrupted: Arc::clone(interrupted),
             quota,
-            shuttle: quota.and_then(|quota| shuttle(prepared, quota)),
+            trial_runner: quota.and_then(|quota| trial_runner(prepared, quota)),
             began: Instant::now(),
             collector: Collector::default(),
-            keeper: Keeper::new(prepared, configs),
+            restarter: Restarter::new(prepared, configs),
             line: ProgressLine::new(&prepared.scenario.name, prepared.progress),
             goals_run_ns: 0,
             faults: Faults::new(prepared),
@@ -167,7 +167,7 @@ impl<'a> Session<'a> {
         }
         self.start_companions(stack)?;
         for role in Role::SERVICES {
-            self.keeper.start(stack, role)?;
+            self.restarter.start(stack, role)?;
             if self.prepared.binaries.contains_key(&role) {
                 self.start.started_ns.insert(role, now_ns());
             }
@@ -180,8 +180,8 @@ impl<'a> Session<'a> {
         } else {
             self.collector.run_ns
         };
-        let goals: Vec<Goal> = match &self.shuttle {
-            Some(shuttle) => vec![shuttle.goal().message(0)],
+        let goals: Vec<Goal> = match &self.trial_runner {
+            Some(trial_runner) => vec![trial_runner.goal().message(0)],
             None => (self.prepared.scenario.goals.iter())
                 .map(|goal| goal.message(0))
                 .collect(),
@@ -260,8 +260,8 @@ impl<'a> Session<'a> {
     pub(super) fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
         self.see_to_swap(stack);
         let left_out = self.swaps.keeps();
-        let restarts_before = self.keeper.records().len();
-        let taken = match self.keeper.look(stack, &self.collector, left_out) {
+        let restarts_before = self.restarter.records().len();
+        let taken = match self.restarter.look(stack, &self.collector, left_out) {
             Ok(taken) => taken,
             Err(ending) => return Some(ending),
         };
@@ -338,7 +338,7 @@ impl<'a> Session<'a> {
                 }
                 let last_tick = last_tick.min(hold_tick).min(self.last_recorded_tick());
                 stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
-            } else if self.shuttle.is_none()
+            } else if self.trial_runner.is_none()
                 && !self.prepared.stays
                 && self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns
             {
@@ -350,7 +350,7 @@ impl<'a> Session<'a> {
                 self.collector.forget();
             }
             let soon = Duration::from_millis(1);
-            let is_busy = self.keeper.is_busy() || self.swaps.is_busy();
+            let is_busy = self.restarter.is_busy() || self.swaps.is_busy();
             std::thread::sleep(if is_busy { soon } else { pause });
         }
     }
@@ -358,15 +358,15 @@ impl<'a> Session<'a> {
     /// How the run ends because the task has. In trials the robot turns around at its goal.
     fn task_ended(&mut self, stack: &mut Stack) -> Option<Ending> {
         let report = self.report()?;
-        match (report.state, &mut self.shuttle) {
+        match (report.state, &mut self.trial_runner) {
             // A local planner without a task has nothing to cancel.
             (TaskState::Idle, None) if self.is_cancelling => {
                 self.over(stack, TaskState::Cancelled, report.reason)
             }
             (TaskState::Idle | TaskState::Active, _) => None,
-            (TaskState::Reached, Some(shuttle)) => {
-                shuttle.turn();
-                let goal = shuttle.goal().message(0);
+            (TaskState::Reached, Some(trial_runner)) => {
+                trial_runner.turn();
+                let goal = trial_runner.goal().message(0);
                 self.send(stack, vec![goal], 0);
                 None
             }
@@ -427,12 +427,12 @@ impl<'a> Session<'a> {
     fn try_again(&mut self, stack: &mut Stack) -> Option<Ending> {
         let tick_ns = self.prepared.scenario.run.tick_ns();
         let run_ns = self.collector.robot_tick() * tick_ns;
-        let shuttle = self.shuttle.as_mut()?;
-        match shuttle.look(&mut self.collector, run_ns) {
+        let trial_runner = self.trial_runner.as_mut()?;
+        match trial_runner.look(&mut self.collector, run_ns) {
             Step::Wait => None,
             Step::Place(placement) => {
                 stack.place(&[placement]);
-                shuttle.note(reading(stack), &self.collector.records);
+                trial_runner.note(reading(stack), &self.collector.records);
                 None
             }
             Step::Done => Some(Ending::TrialsOver),
@@ -461,13 +461,13 @@ impl<'a> Session<'a> {
 
     fn progress(&self) -> Progress {
         let report = self.report();
-        let trials = self.quota.zip(self.shuttle.as_ref());
+        let trials = self.quota.zip(self.trial_runner.as_ref());
         Progress {
-            trials: trials.map(|(quota, shuttle)| Tally {
-                done: quota.before + shuttle.done(),
+            trials: trials.map(|(quota, trial_runner)| Tally {
+                done: quota.before + trial_runner.done(),
                 total: quota.total,
-                each_s: (shuttle.done() > 0)
-                    .then(|| self.began.elapsed().as_secs_f64() / count(shuttle.done())),
+                each_s: (trial_runner.done() > 0)
+                    .then(|| self.began.elapsed().as_secs_f64() / count(trial_runner.done())),
             }),
             time_s: seconds(self.collector.run_ns),
             state: report.map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),

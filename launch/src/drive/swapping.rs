@@ -123,7 +123,7 @@ impl Session<'_> {
                 current.result.state
             ));
         }
-        let Some((binary, config)) = self.keeper.files(role) else {
+        let Some((binary, config)) = self.restarter.files(role) else {
             return Err(format!(
                 "{role} was started by hand (--external): launch does not swap it"
             ));
@@ -163,7 +163,7 @@ impl Session<'_> {
         };
         if swap.look(&mut self.scene(stack, swap.role())) {
             let Files { binary, config, .. } = swap.files().clone();
-            let before = self.keeper.refit(swap.role(), binary, config);
+            let before = self.restarter.refit(swap.role(), binary, config);
             if let Some(before) = before.filter(|file| is_of_a_swap(file)) {
                 let _ = std::fs::remove_file(before);
             }
@@ -174,7 +174,7 @@ impl Session<'_> {
     /// Goes on with a swap, or removes what it leaves in the domain.
     fn put_back(&mut self, swap: Swap) {
         let config = &swap.files().config;
-        let used = self.keeper.files(swap.role());
+        let used = self.restarter.files(swap.role());
         if swap.is_over() && used.is_none_or(|(_, used)| used != config) {
             let _ = std::fs::remove_file(config);
         }
@@ -200,7 +200,7 @@ impl Session<'_> {
             lockstep,
             tick_ns: self.prepared.scenario.run.tick_ns(),
             hang: self.prepared.hang_limit(role),
-            is_vacant: self.keeper.is_vacant(role),
+            is_vacant: self.restarter.is_vacant(role),
             collector: &mut self.collector,
         }
     }

@@ -4,7 +4,7 @@ use super::pace::{Pace, SPEEDS};
 use super::session::Session;
 use crate::ending::Ending;
 use crate::orders::Order;
-use crate::placed::shape_of;
+use crate::placed_obstacles::shape_of;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
@@ -76,7 +76,7 @@ impl Session<'_> {
     /// # Errors
     /// When there is nothing to cancel.
     pub(super) fn cancel(&mut self, stack: &mut Stack, id: Option<u64>) -> Result<(), String> {
-        if self.shuttle.is_some() {
+        if self.trial_runner.is_some() {
             return Err("the run makes trials; end it with `zeronav down`".to_owned());
         }
         if id.is_none() && self.has_no_goal() {
@@ -111,7 +111,7 @@ impl Session<'_> {
     /// # Errors
     /// In trials.
     pub(super) fn pause(&mut self, stack: &mut Stack) -> Result<(), String> {
-        if self.shuttle.is_some() {
+        if self.trial_runner.is_some() {
             return Err("the run measures latencies and cannot be paused".to_owned());
         }
         self.is_paused = true;
@@ -198,7 +198,7 @@ impl Session<'_> {
     /// # Errors
     /// When the robot cannot be there, or no odometry has come yet.
     pub(super) fn relocate(&mut self, stack: &mut Stack, pose: [f64; 3]) -> Result<(), String> {
-        if self.shuttle.is_some() {
+        if self.trial_runner.is_some() {
             return Err("the run measures latencies; a jump would change them".to_owned());
         }
         let map_from_base = Pose::new(pose[0], pose[1], pose[2]);
@@ -225,7 +225,7 @@ impl Session<'_> {
     /// had drifted by then: a new process takes odometry for the truth. A pose given by hand that no map
     /// rests on yet is newer than that.
     pub(super) fn hand_pose_on(&mut self, stack: &mut Stack, restarts_before: usize) {
-        let restarts = self.keeper.records().iter().skip(restarts_before);
+        let restarts = self.restarter.records().iter().skip(restarts_before);
         let mut of_mapping = restarts.filter(|it| it.service == Role::Mapping.label());
         if of_mapping.next().is_none() {
             return;
@@ -259,7 +259,7 @@ impl Session<'_> {
         name: &str,
         change: &ObstacleChange,
     ) -> Result<(), String> {
-        if self.shuttle.is_some() {
+        if self.trial_runner.is_some() {
             return Err("the run makes trials with obstacles of its own".to_owned());
         }
         let tick_ns = self.prepared.scenario.run.tick_ns();

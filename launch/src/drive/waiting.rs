@@ -41,7 +41,9 @@ impl Session<'_> {
             let remote = &self.prepared.remote;
             late.retain(|role| self.prepared.binaries.contains_key(role) && !remote.contains(role));
             let is_over = started.elapsed() > WALL_LIMIT;
-            if late.iter().any(|role| self.keeper.is_late(*role)) || (is_over && !late.is_empty()) {
+            if late.iter().any(|role| self.restarter.is_late(*role))
+                || (is_over && !late.is_empty())
+            {
                 return Some(Ending::NotReady(late));
             }
             std::thread::sleep(Duration::from_millis(2));
@@ -54,7 +56,7 @@ impl Session<'_> {
         let is_owed = || self.swaps.steps() && self.collector.owing(&stack.roster).is_some();
         if self.is_paused {
             Held::ByClient
-        } else if self.lockstep() && self.keeper.is_busy() {
+        } else if self.lockstep() && self.restarter.is_busy() {
             // A successor has to be started first, as often as its budget allows.
             Held::ByLaunch
         } else if !self.lockstep() || hold_tick > tick || is_owed() {
@@ -80,7 +82,7 @@ impl Session<'_> {
             return Vec::new();
         }
         let by_hand = self.interferences.iter().map(|what| (*what).to_owned());
-        let unasked = self.keeper.unasked().iter().cloned();
+        let unasked = self.restarter.unasked().iter().cloned();
         (unasked.chain(self.swaps.decided_by_clock()))
             .chain(by_hand)
             .chain(ending.cut_short())

@@ -16,14 +16,14 @@ pub(super) fn expectations(
     by_reason: &BTreeMap<String, usize>,
 ) -> Vec<Expectation> {
     let expect = &prepared.scenario.expect;
-    let truth = driven.collector.seen.truth.unwrap_or_default();
+    let truth = driven.collector.totals.truth.unwrap_or_default();
     let mut list = vec![
         outcome(expect, driven.ending.outcome()),
         contacts(expect, truth.contacts_moving + truth.contacts_standing),
     ];
     list.extend(obstacle_replans(expect, replans));
     if let Some(least_m) = expect.driven_m_min {
-        let driven_m = driven.collector.seen.driven_m();
+        let driven_m = driven.collector.totals.driven_m();
         list.push(Expectation {
             name: "metres driven".to_owned(),
             expected: format!("at least {least_m}"),

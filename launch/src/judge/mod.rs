@@ -33,8 +33,8 @@ use zeronav_scenario::hosts::host_of;
 /// The result of a run.
 #[must_use]
 pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environment) -> RunResult {
-    let (collector, seen) = (&driven.collector, &driven.collector.seen);
-    let truth = seen.truth.unwrap_or_default();
+    let (collector, totals) = (&driven.collector, &driven.collector.totals);
+    let truth = totals.truth.unwrap_or_default();
     let subject = Subject::of(prepared, driven);
     let plans = plans(&subject);
     let replans: Vec<PlannedPath> = plans
@@ -60,10 +60,10 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         contacts: truth.contacts_moving + truth.contacts_standing,
         contacts_moving: truth.contacts_moving,
         contacts_standing: truth.contacts_standing,
-        clearance_m_min: seen.clearance_m_min,
+        clearance_m_min: totals.clearance_m_min,
         time_s,
         first_goal_s: seconds(driven.goals_run_ns),
-        driven_m: seen.driven_m(),
+        driven_m: totals.driven_m(),
         mode: prepared.mode.to_string(),
         seed: prepared.seed,
         wall_s,
@@ -72,17 +72,17 @@ pub(crate) fn judge(prepared: &Prepared, driven: &Driven, environment: Environme
         plans,
         replans,
         obstacles: obstacles(prepared, driven),
-        track_m: seen.track_m.clone(),
+        track_m: totals.track_m.clone(),
         motion: moments.iter().map(|moment| row(moment, driven)).collect(),
         jerk_mps3: jerk_mps3(moments),
-        recoveries: seen.task.map_or(0, |task| task.recoveries),
-        stuck_cause: seen.stuck_cause().map(|cause| cause.to_string()),
+        recoveries: totals.task.map_or(0, |task| task.recoveries),
+        stuck_cause: totals.stuck_cause().map(|cause| cause.to_string()),
         touches: touches(&subject),
         interventions: by_reason.values().sum(),
         interventions_by_reason: by_reason,
-        pose: seen.comparison.pose(),
-        tracking: seen.comparison.tracking(),
-        command_lag: seen.lag.result(),
+        pose: totals.comparison.pose(),
+        tracking: totals.comparison.tracking(),
+        command_lag: totals.lag.result(),
         latency,
         profile,
         disturbance: driven.disturbance.clone(),
@@ -118,11 +118,11 @@ pub(crate) fn judge_trials(
 ) -> RunResult {
     let mut whole = judge(prepared, driven, environment);
     for before in &trials.drives {
-        let seen = &before.collector.seen;
-        let truth = seen.truth.unwrap_or_default();
+        let totals = &before.collector.totals;
+        let truth = totals.truth.unwrap_or_default();
         whole.contacts_moving += truth.contacts_moving;
         whole.contacts_standing += truth.contacts_standing;
-        whole.driven_m += seen.driven_m();
+        whole.driven_m += totals.driven_m();
         whole.time_s += seconds(before.end_run_ns.saturating_sub(before.goals_run_ns));
         whole.wall_s += before.wall.as_secs_f64();
         whole.slipped_ms += seconds(truth.slipped_ns) * 1.0e3;
@@ -132,7 +132,7 @@ pub(crate) fn judge_trials(
             whole.memory_peak_bytes = whole.memory_peak_bytes.max(seat.memory_peak_bytes);
             whole.starts += seat.starts;
         }
-        let least = seen.clearance_m_min;
+        let least = totals.clearance_m_min;
         whole.clearance_m_min = match (whole.clearance_m_min, least) {
             (Some(one), Some(other)) => Some(one.min(other)),
             (one, other) => one.or(other),
@@ -206,7 +206,7 @@ fn injected_us(steps: u16) -> f64 {
 
 /// The moments from the first goal to the end of the task.
 pub(crate) fn moments<'a>(subject: &Subject<'a>) -> &'a [Moment] {
-    let moments = &subject.collector.seen.motion.moments;
+    let moments = &subject.collector.totals.motion.moments;
     let from = moments.partition_point(|moment| moment.run_ns < subject.goals_run_ns);
     let to = moments.partition_point(|moment| moment.run_ns <= subject.end_run_ns);
     moments.get(from..to).unwrap_or_default()
@@ -235,7 +235,7 @@ pub(crate) fn touches(subject: &Subject<'_>) -> Vec<Touch> {
             pose: [at.pose.x_m, at.pose.y_m, at.pose.yaw_rad],
         }
     };
-    let contacts = &subject.collector.seen.motion.contacts;
+    let contacts = &subject.collector.totals.motion.contacts;
     contacts.iter().map(touch).collect()
 }
 
@@ -260,7 +260,7 @@ fn touched(subject: &Subject<'_>, contact: &Contact) -> String {
 /// How often the guard stepped in until the end of the task, by reason.
 fn interventions(driven: &Driven) -> BTreeMap<String, usize> {
     let mut by_reason = BTreeMap::new();
-    for (run_ns, why) in &driven.collector.seen.motion.interventions {
+    for (run_ns, why) in &driven.collector.totals.motion.interventions {
         if (driven.goals_run_ns..=driven.end_run_ns).contains(run_ns) {
             *by_reason.entry(why.label().to_owned()).or_default() += 1;
         }
@@ -349,7 +349,7 @@ fn started(driven: &Driven) -> Option<StartUp> {
 
 fn obstacles(prepared: &Prepared, driven: &Driven) -> Vec<ObstacleResult> {
     let seen = |(index, obstacle): (usize, &zeronav_world::Obstacle)| {
-        let pose = driven.collector.seen.obstacles.get(&index)?;
+        let pose = driven.collector.totals.obstacles.get(&index)?;
         let outline = obstacle.shape.placed_at(pose).outline();
         Some(ObstacleResult {
             name: obstacle.spec.name.clone(),

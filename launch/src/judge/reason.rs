@@ -22,9 +22,13 @@ pub(super) fn reason(
         Ending::Task(_, EndReason::GoalBlocked) => {
             "the goal is unreachable: no free pose within its tolerance".to_owned()
         }
-        Ending::Task(_, reason) => match driven.collector.seen.stuck_cause() {
+        Ending::Task(_, reason) => match driven.collector.totals.stuck_cause() {
             Some(cause) => {
-                let recoveries = driven.collector.seen.task.map_or(0, |task| task.recoveries);
+                let recoveries = driven
+                    .collector
+                    .totals
+                    .task
+                    .map_or(0, |task| task.recoveries);
                 format!("the robot gave up: {reason} ({cause}) after {recoveries} recoveries")
             }
             None => format!("the robot gave up: {reason}"),

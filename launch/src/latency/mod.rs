@@ -16,10 +16,10 @@ use report::{Cell, Report};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
+use zeronav_console::artifacts;
 use zeronav_console::environment;
 use zeronav_console::exit::{EXIT_FAIL, EXIT_PASS};
 use zeronav_console::interrupts::interrupts;
-use zeronav_console::leave;
 use zeronav_console::terminal::{complain, lose, note, say, say_json, usage};
 use zeronav_measure::profile;
 use zeronav_measure::result::RunResult;
@@ -110,7 +110,7 @@ fn finish(
 
 fn save(report: &Report, file: &Path) {
     let text = serde_json::to_string_pretty(report).map_err(|error| error.to_string());
-    let written = text.and_then(|text| leave::write(file, &(text + "\n")));
+    let written = text.and_then(|text| artifacts::write(file, &(text + "\n")));
     if let Err(problem) = written {
         lose(&problem);
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use zeronav_measure::profile::{FLOOR, REACTIONS};
 use zeronav_measure::result::profile::ProfileRow;
 use zeronav_measure::result::trials::Disturbance;
-use zeronav_observe::way::HOPS;
+use zeronav_observe::hop_chain::HOPS;
 
 impl Report {
     /// The report as a page of text.

@@ -220,7 +220,7 @@ impl<'a> Reading<'a> {
         let mut collector = Collector::default();
         collector.looks = !recorded.is_lockstep();
         if let Some(tick) = end_tick(&recorded.found) {
-            collector.seen.end_at(tick);
+            collector.totals.end_at(tick);
             collector.reasons.end_at(tick);
         }
         if !recorded.has(MapUpdate::ROW.name) {
@@ -308,7 +308,7 @@ impl<'a> Reading<'a> {
         while self.next() {}
         self.collector.film.end();
         // What is held back until an end is known counts.
-        self.collector.seen.end();
+        self.collector.totals.end();
         (self.collector, self.goals_run_ns.unwrap_or(0))
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use toml::Value;
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_files::Folder;
 use zeronav_supervise::question;
 
@@ -58,7 +58,7 @@ pub(crate) fn write(folder: &Folder, asked: &[Asked<'_>]) -> Result<PathBuf, Str
         }
     }
     let text = serde_json::to_string_pretty(&all).map_err(|error| error.to_string())?;
-    leave::write_in(folder, FILE, &text)?;
+    artifacts::write_in(folder, FILE, &text)?;
     Ok(folder.path().join(FILE))
 }
 

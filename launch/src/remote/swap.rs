@@ -276,7 +276,7 @@ pub(super) fn in_words(result: &SwapResult) -> String {
     for (name, value) in &found.measures {
         let _ = writeln!(text, "  {name:<28} {value:.3}");
     }
-    for (name, times) in [("in office", &found.office), ("newcomer", &found.newcomer)] {
+    for (name, times) in [("incumbent", &found.office), ("newcomer", &found.newcomer)] {
         if let (Some(p50_us), Some(p99_us)) = (times.p50_us, times.p99_us) {
             let n = times.n;
             let _ = writeln!(

@@ -22,7 +22,7 @@ use crate::show::recording::Recording;
 use folder::{Outcome, RunFolder};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_console::terminal::{lose, say, usage};
 use zeronav_files::Folder;
 
@@ -45,7 +45,7 @@ pub(crate) fn write(run: &Folder, outcome: Outcome, recording: Recording) -> Res
         outcome,
         recording: Some(recording),
     };
-    leave::write_in(run, FILE, &page::page(&folder))
+    artifacts::write_in(run, FILE, &page::page(&folder))
 }
 
 /// `zeronav report`: one run has its report written again, several are compared.
@@ -69,7 +69,7 @@ pub fn report(runs: &[PathBuf], out: Option<&Path>) -> ExitCode {
         },
     };
     let file = out.map_or(file, Path::to_owned);
-    match leave::write(&file, &text) {
+    match artifacts::write(&file, &text) {
         Ok(()) => say(&format!("{}\n", file.display())),
         Err(problem) => lose(&problem),
     }

@@ -16,7 +16,7 @@ pub(super) const SILENCE_LIMIT: Duration = Duration::from_secs(3);
 /// Ticks by which a shadow may be behind.
 const SHADOW_TICKS_BEHIND: u64 = 50;
 
-/// Ticks by which a newcomer in office may be behind its predecessor, which has the same inputs.
+/// Ticks by which a newcomer in the seat may be behind its predecessor, which has the same inputs.
 const TICKS_BEHIND: u64 = 5;
 
 /// The same of a seat that answers scans.

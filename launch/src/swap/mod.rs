@@ -13,9 +13,9 @@
 //! is as reproducible as one without, also when the newcomer is rolled back for what it sends. What the
 //! clock decides, such as a death, is named ([`Swap::by_clock`]).
 
+mod candidate_readers;
 mod check;
 pub(crate) mod config;
-mod ears;
 mod failure;
 mod newcomer;
 mod owing;

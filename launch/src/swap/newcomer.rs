@@ -1,6 +1,6 @@
 //! The newcomer as launch sees it: its heart, its answers, its times.
 
-use super::ears::{Ears, roster_of};
+use super::candidate_readers::{CandidateReaders, roster_of};
 use super::owing::Owing;
 use super::scene::Scene;
 use super::scores::Scores;
@@ -24,7 +24,7 @@ pub(super) struct Newcomer {
     pub office: u32,
     /// First tick that counts.
     pub from_tick: u64,
-    ears: Ears,
+    candidate_readers: CandidateReaders,
     scores: Scores,
     health: Latest<HealthTopic>,
     roster: Roster,
@@ -51,7 +51,7 @@ impl Newcomer {
             epoch,
             office: stack.epoch(role),
             from_tick: u64::MAX,
-            ears: Ears::open(stack, role, epoch)?,
+            candidate_readers: CandidateReaders::open(stack, role, epoch)?,
             scores: Scores::default(),
             health: stack.health_of(role)?,
             roster: roster_of(role, epoch),
@@ -83,22 +83,22 @@ impl Newcomer {
         if office != self.office && office != self.epoch {
             // It was restarted.
             self.office = office;
-            self.ears.office_is(office);
+            self.candidate_readers.office_is(office);
             scene.collector.aside.watch(role, &[office, self.epoch]);
         }
     }
 
-    /// Takes in what has come of it, and of the process in office.
+    /// Takes in what has come of it, and of the incumbent.
     pub(super) fn compare(&mut self, scene: &mut Scene<'_>, comparison: &mut Comparison) {
         let map = scene.collector.replica.view();
-        let is_missing = self
-            .ears
-            .listen(self.from_tick, map.as_ref(), &mut self.scores);
+        let is_missing =
+            self.candidate_readers
+                .listen(self.from_tick, map.as_ref(), &mut self.scores);
         if is_missing {
             scene.collector.ask_for_keyframe();
         }
         self.scores.report(comparison);
-        comparison.rejected = self.ears.rejected();
+        comparison.rejected = self.candidate_readers.rejected();
         comparison.office = scene.collector.aside.times(self.office);
         comparison.newcomer = scene.collector.aside.times(self.epoch);
     }
@@ -126,6 +126,6 @@ impl Newcomer {
 
     /// True when its paths lead through obstacles.
     pub(super) fn is_blocked(&self) -> bool {
-        self.ears.is_blocked()
+        self.candidate_readers.is_blocked()
     }
 }

@@ -69,7 +69,7 @@ pub(crate) struct Scores {
 }
 
 impl Scores {
-    /// Takes in the first answer of a process to a tick: the one in office (0) or the newcomer (1).
+    /// Takes in the first answer of a process to a tick: the incumbent (0) or the newcomer (1).
     pub(crate) fn answer(&mut self, which: usize, tick: u64, answer: Answer) {
         if tick <= self.compared_tick {
             return;

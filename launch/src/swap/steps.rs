@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::newcomer::Newcomer;
 use super::owing::Owing;
 use super::{Phase, Scene, Settling, Swap};
-use crate::keeper::READY_LIMIT;
+use crate::restarter::READY_LIMIT;
 use rustix::process::Signal;
 use std::time::{Duration, Instant};
 use zeronav_supervise::child::Child;
@@ -208,7 +208,7 @@ impl Swap {
     pub(super) fn roll_back(&mut self, scene: &mut Scene<'_>, failure: Failure) {
         self.note_clock(ROLLED_BACK, &failure);
         let why = failure.why;
-        tracing::warn!(role = %self.role, why, "the newcomer fails, its predecessor comes back");
+        tracing::warn!(role = %self.role, why, "swap rolled back");
         self.result.why = Some(why);
         if scene.lockstep {
             // A newcomer that still runs would go on answering.

@@ -7,7 +7,7 @@ use zeronav_measure::result::latency::Figures;
 use zeronav_measure::{DEADLINE_NS, Records, reactions};
 use zeronav_msgs::span::Span;
 use zeronav_msgs::time::seconds;
-use zeronav_observe::way::{Way, to_us};
+use zeronav_observe::hop_chain::{HopChain, to_us};
 
 /// Time for which records are kept: of a lidar with 10 scans a second more than the 100 that a 99th
 /// percentile needs. [ns]
@@ -81,7 +81,7 @@ impl Latency {
 
 /// The way of a path from the capture of its scan to the wheels; `None` while a record is missing.
 fn follow(records: &Records, path: NewPath) -> Option<Replanning> {
-    let way = Way::through_map(Joins::of(records).of_path(path.id, path.map)?);
+    let way = HopChain::through_map(Joins::of(records).of_path(path.id, path.map)?);
     let hops = way.named_us().map(|(hop, us)| HopLine { hop, us });
     Some(Replanning {
         time_s: seconds(path.run_ns),
@@ -96,7 +96,7 @@ mod tests {
     use zeronav_msgs::header::Id;
     use zeronav_msgs::role::Role;
     use zeronav_msgs::span::SpanKind;
-    use zeronav_observe::way::HOPS;
+    use zeronav_observe::hop_chain::HOPS;
 
     const US: u64 = 1000;
 

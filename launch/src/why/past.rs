@@ -56,7 +56,7 @@ pub(super) fn at(result: &RunResult, time_s: Option<f64>) -> Result<(Moment, Aro
     let Some(moment) = held else {
         let first_s = result.reasons.first().map_or(0.0, |first| first.time_s);
         return Err(format!(
-            "nothing is kept of {time_s} s; the first moment is at {first_s:.2} s"
+            "no history for {time_s} s; the first moment is at {first_s:.2} s"
         ));
     };
     let mut moment = moment.clone();

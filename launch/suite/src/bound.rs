@@ -6,8 +6,8 @@
 //! driven without any contact; that none was found proves nothing, because the search is bounded.
 
 mod crowd;
-mod gaits;
 mod search;
+mod velocity_pairs;
 mod way;
 
 use super::case::{Case, Success};
@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
-use way::{Task, Way};
+use way::{Route, Task};
 use zeronav_console::progress::{ProgressLine, Tally};
 use zeronav_console::terminal::note;
 use zeronav_scenario::Outcome;
@@ -189,7 +189,7 @@ fn not_found(case: &Case) -> Row {
 }
 
 /// The row of a case through which this way leads.
-fn found(case: &Case, task: &Task<'_>, way: &Way) -> Row {
+fn found(case: &Case, task: &Task<'_>, way: &Route) -> Row {
     let track: Vec<[f64; 2]> = way.states.iter().map(|state| state.at_m).collect();
     let motion: Vec<[f64; 6]> = way
         .states

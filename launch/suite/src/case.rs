@@ -7,7 +7,7 @@ use super::turns::OutlineWay;
 use std::path::PathBuf;
 use std::time::Duration;
 use toml::{Table, Value};
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_msgs::Pose;
 
 /// One run.
@@ -199,7 +199,7 @@ pub(super) fn write(setup: &Setup<'_>, name: &str, mut sheet: Table) -> Result<P
     }
     setup.plan.settings.lay_over_sheet(&mut sheet);
     let name = format!("{name}.toml");
-    leave::write_in(setup.scenarios, &name, &sheet.to_string())?;
+    artifacts::write_in(setup.scenarios, &name, &sheet.to_string())?;
     Ok(setup.scenarios.path().join(name))
 }
 

@@ -114,7 +114,7 @@ impl Future {
         let mover = |obstacle: &Obstacle| {
             Mover::new(obstacle).ok_or_else(|| {
                 let what = &obstacle.spec.name;
-                format!("{name}: nobody knows the future of \"{what}\": it is no disc that moves by itself")
+                format!("{name}: cannot predict \"{what}\": only discs that move by themselves are supported")
             })
         };
         let movers = checked.world.obstacles().iter().map(mover);
@@ -128,7 +128,7 @@ impl Future {
 }
 
 /// A scenario `it.toml` for tests: a hall, a robot of 0.25 m that brakes with 1 m/s^2, and a
-/// pedestrian who walks past x = 5 from `y = 0` at 1 m/s, from the second second on.
+/// pedestrian who walks past x = 5 from `y = 0` at 1 m/s, from t = 2 s on.
 #[cfg(test)]
 pub(super) fn walker(more: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();

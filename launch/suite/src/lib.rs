@@ -57,8 +57,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use timing::Timing;
+use zeronav_console::artifacts;
 use zeronav_console::environment::Before;
-use zeronav_console::leave;
 use zeronav_files::Folder;
 use zeronav_supervise::algorithms;
 use zeronav_supervise::binaries::{self, Needed};
@@ -301,13 +301,13 @@ struct Folders {
 
 impl Folders {
     fn new(out: &Path, kind: Kind) -> Result<Self, String> {
-        let all = leave::new_folder(out, &format!("suite-{}", kind.label()))?;
+        let all = artifacts::new_folder(out, &format!("suite-{}", kind.label()))?;
         Self::within(all, Folder::create)
     }
 
     /// Those of a suite that goes on.
     fn again(directory: &Path) -> Result<Self, String> {
-        let all = Folder::open(directory).map_err(|error| leave::refused(directory, &error))?;
+        let all = Folder::open(directory).map_err(|error| artifacts::refused(directory, &error))?;
         Self::within(all, Folder::inside)
     }
 
@@ -317,7 +317,7 @@ impl Folders {
     ) -> Result<Self, String> {
         let part = |name: &str| {
             let path = all.path().join(name);
-            get(&all, name).map_err(|error| leave::refused(&path, &error))
+            get(&all, name).map_err(|error| artifacts::refused(&path, &error))
         };
         Ok(Self {
             scenarios: part(SCENARIOS)?,

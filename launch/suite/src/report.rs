@@ -143,7 +143,7 @@ impl Report {
     /// One line naming the file.
     pub(super) fn leave(&self, folder: &Folder) -> Result<(), String> {
         let write =
-            |name: &str, text: String| zeronav_console::leave::write_in(folder, name, &text);
+            |name: &str, text: String| zeronav_console::artifacts::write_in(folder, name, &text);
         let json = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
         write("suite.json", json + "\n")?;
         write("junit.xml", junit::text(&self.suite, &self.runs))?;

@@ -23,7 +23,7 @@ use std::collections::VecDeque;
 use std::io::ErrorKind;
 use std::ops::Range;
 use std::time::Instant;
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_console::progress::ProgressLine;
 use zeronav_files::Folder;
 
@@ -251,5 +251,5 @@ fn inner(folder: &Folder, name: &str) -> Result<Folder, String> {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => folder.inside(name),
         made => made,
     };
-    made.map_err(|error| leave::refused(&folder.path().join(name), &error))
+    made.map_err(|error| artifacts::refused(&folder.path().join(name), &error))
 }

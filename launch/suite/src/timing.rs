@@ -3,7 +3,7 @@
 use super::row::Row;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use zeronav_console::leave;
+use zeronav_console::artifacts;
 use zeronav_files::{Folder, read};
 use zeronav_measure::result::Environment;
 
@@ -61,6 +61,6 @@ impl Timing {
     /// One line naming the file.
     pub(super) fn leave(&self, folder: &Folder) -> Result<(), String> {
         let text = serde_json::to_string_pretty(self).map_err(|error| error.to_string())?;
-        leave::write_in(folder, NAME, &(text + "\n"))
+        artifacts::write_in(folder, NAME, &(text + "\n"))
     }
 }

@@ -43,7 +43,7 @@ pub struct Starved {
 
 /// A seat as it was seen last.
 #[derive(Debug, Clone)]
-struct Seen {
+struct Observed {
     epoch: u32,
     progress: u64,
     /// For how long it has stood still, by launch's clock.
@@ -53,7 +53,7 @@ struct Seen {
     asked: bool,
 }
 
-impl Seen {
+impl Observed {
     fn new(epoch: u32, progress: u64) -> Self {
         Self {
             epoch,
@@ -93,7 +93,7 @@ impl Seen {
 /// Progress of every seat, as it was seen last.
 #[derive(Debug, Clone, Default)]
 pub struct HangWatch {
-    seen: HashMap<Role, Seen>,
+    seen: HashMap<Role, Observed>,
     starved: Vec<Starved>,
 }
 
@@ -110,13 +110,13 @@ impl HangWatch {
         reading: impl FnOnce() -> Option<Reading>,
     ) -> bool {
         let seen = match self.seen.entry(role) {
-            Entry::Vacant(seat) => seat.insert(Seen::new(epoch, progress)),
+            Entry::Vacant(seat) => seat.insert(Observed::new(epoch, progress)),
             Entry::Occupied(seat) => {
                 let seen = seat.into_mut();
                 if (seen.epoch, seen.progress) == (epoch, progress) {
                     seen.stand_still(since, limit.after, reading);
                 } else {
-                    let before = core::mem::replace(seen, Seen::new(epoch, progress));
+                    let before = core::mem::replace(seen, Observed::new(epoch, progress));
                     self.starved.extend(before.starved(role, limit.after));
                 }
                 seen
@@ -124,7 +124,7 @@ impl HangWatch {
         };
         let counted = seen.counted(limit.lockstep);
         let half = limit.after / 2;
-        let with_it = |seen: &&Seen| seen.counted(limit.lockstep) > half;
+        let with_it = |seen: &&Observed| seen.counted(limit.lockstep) > half;
         let together = self.seen.values().filter(with_it).count() > 1;
         let times = if together { LENIENT } else { 1 };
         counted > limit.after.saturating_mul(times)
@@ -144,7 +144,7 @@ impl HangWatch {
     }
 }
 
-impl Seen {
+impl Observed {
     fn stand_still(
         &mut self,
         since: Duration,

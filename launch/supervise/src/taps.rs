@@ -13,7 +13,7 @@ use zeronav_shell::{Latest, Peer, StartError, Stream};
 pub struct Taps {
     /// One record per cycle and process.
     pub spans: SpanReader,
-    /// What is really so.
+    /// Ground truth.
     pub truth: Stream<GroundTruth>,
     /// What the lidar sees; for the film alone.
     pub scans: Stream<RobotScan>,

@@ -289,10 +289,10 @@ impl Guard {
             v_mps: request.v_mps,
             w_radps: request.w_radps,
         };
-        if !self.sees(inputs) || self.blindness.is_towards(asked) {
+        if !self.valid_scan(inputs) || self.blindness.is_towards(asked) {
             return Verdict::Rest(Validity::Stale, Intervention::ScanStale);
         }
-        let Some(odometry) = self.feels(inputs) else {
+        let Some(odometry) = self.valid_odometry(inputs) else {
             return Verdict::Rest(Validity::Stale, Intervention::OdometryStale);
         };
         self.drive(asked, odometry)
@@ -317,7 +317,7 @@ impl Guard {
 
     /// The twist of the robot when a command of now takes effect, as far as odometry can be believed.
     fn soon(&self, inputs: &GuardInputs<'_>) -> Option<Twist> {
-        let odometry = self.feels(inputs)?;
+        let odometry = self.valid_odometry(inputs)?;
         let (description, limits, _) = self.described.as_ref()?;
         let legs = self.in_flight.legs(description.actuation_delay_ns);
         Some(legs.fold(Twist::measured(odometry), |twist, leg| {
@@ -326,7 +326,7 @@ impl Guard {
     }
 
     /// True while there is a young, well-formed scan that is neither blind nor frozen.
-    fn sees(&self, inputs: &GuardInputs<'_>) -> bool {
+    fn valid_scan(&self, inputs: &GuardInputs<'_>) -> bool {
         let (Some(input), Some((description, ..))) = (&inputs.scan, &self.described) else {
             return false;
         };
@@ -350,7 +350,7 @@ impl Guard {
     }
 
     /// Young, well-formed odometry that agrees with itself.
-    fn feels<'a>(&self, inputs: &GuardInputs<'a>) -> Option<&'a Odometry> {
+    fn valid_odometry<'a>(&self, inputs: &GuardInputs<'a>) -> Option<&'a Odometry> {
         let input = inputs.odometry.as_ref()?;
         let fine = seconds(input.age_ns) <= self.config.odometry_age_s
             && input.odometry.check().is_ok()

@@ -24,14 +24,14 @@ pub(crate) struct CostMemory {
 }
 
 impl CostMemory {
-    /// Takes in the cells of `changed` and calls `eased` with each that became cheaper or opened.
+    /// Takes in the cells of `changed` and calls `cost_decreased` with each that became cheaper or opened.
     /// Nothing is called when the grid is another one.
     pub(crate) fn take_in(
         &mut self,
         map: &MapView<'_>,
         changed: &[CellRect],
         unknown: Unknown,
-        mut eased: impl FnMut(Cell),
+        mut cost_decreased: impl FnMut(Cell),
     ) -> Change {
         if *map.geometry != self.geometry || self.costs.len() != map.cells.len() {
             self.geometry = *map.geometry;
@@ -63,7 +63,7 @@ impl CostMemory {
                     change.any |= new != old;
                     if new < old {
                         change.opened |= old == BLOCKED;
-                        eased(Cell::new(x, y));
+                        cost_decreased(Cell::new(x, y));
                     }
                 }
             }

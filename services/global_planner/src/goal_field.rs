@@ -25,22 +25,22 @@
 mod around;
 mod bounds;
 mod change;
+mod cost_increased;
 pub(crate) mod detours;
 mod eased_box;
 mod node;
 mod open_list;
 mod prices;
 mod raise;
-mod risen;
 mod run;
 mod upkeep;
 
 use bounds::Bounds;
+use cost_increased::Raise;
 use eased_box::EasedBox;
 use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
 use open_list::HeapQueue;
 use prices::Prices;
-use risen::Raise;
 use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED, Within};
 
 use crate::bucket_queue::BucketQueue;
@@ -94,7 +94,7 @@ pub(crate) struct Changed {
     /// At least one is another.
     pub(crate) any: bool,
     /// At least one is lower.
-    pub(crate) eased: bool,
+    pub(crate) cost_decreased: bool,
 }
 
 /// What a search keeps beside the nodes.
@@ -139,7 +139,7 @@ pub(crate) struct GoalField {
     /// How far beyond the robot the field grows, see [`MARGIN`].
     margin: u32,
     /// Cells that became cheaper since the field was made consistent.
-    eased: Vec<Spot>,
+    cost_decreased: Vec<Spot>,
     /// The box of these cells: padded x and y, first and last.
     eased_box: EasedBox,
     lowered: BinaryHeap<Reverse<u64>>,
@@ -183,7 +183,7 @@ impl GoalField {
             state: State::Missing,
             reach: NO_WAY,
             margin: MARGIN,
-            eased: Vec::new(),
+            cost_decreased: Vec::new(),
             eased_box: EasedBox::EMPTY,
             lowered: BinaryHeap::new(),
             raise: Raise::default(),
@@ -199,7 +199,7 @@ impl GoalField {
             + self.lists.open.bytes()
             + self.open_around.bytes()
             + self.front.bytes()
-            + (self.eased.capacity() + self.lists.closed.capacity()) * size_of::<Spot>()
+            + (self.cost_decreased.capacity() + self.lists.closed.capacity()) * size_of::<Spot>()
             + self.lowered.capacity() * size_of::<Reverse<u64>>()
             + self.raise.bytes()
     }
@@ -247,7 +247,7 @@ impl GoalField {
     }
 
     fn forget_eased(&mut self) {
-        self.eased.clear();
+        self.cost_decreased.clear();
         self.lowered.clear();
         self.eased_box = EasedBox::EMPTY;
     }

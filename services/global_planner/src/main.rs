@@ -25,7 +25,7 @@ const AHEAD_EXPANSIONS: u64 = 512;
 /// before: the cores are left to local planner and guard, which act on the same scan. [ns]
 const QUIET_NS: u64 = 4_000_000;
 
-struct PlannerService {
+struct GlobalPlannerService {
     replanner: Replanner,
     inputs: Readings,
     path: Writer<PlanPath>,
@@ -33,7 +33,7 @@ struct PlannerService {
     quiet_until_ns: u64,
 }
 
-impl Service for PlannerService {
+impl Service for GlobalPlannerService {
     const ROLE: Role = Role::GlobalPlanner;
     type Config = GlobalPlannerConfig;
 
@@ -95,7 +95,7 @@ impl Service for PlannerService {
     }
 }
 
-impl PlannerService {
+impl GlobalPlannerService {
     /// One cycle of the replanner; `None` before the first odometry.
     fn plan(&mut self, shell: &mut Shell, due: Due) -> Option<News> {
         if due == Due::IDLE {
@@ -168,5 +168,5 @@ impl PlannerService {
 }
 
 fn main() -> ExitCode {
-    zeronav_shell::run::<PlannerService>()
+    zeronav_shell::run::<GlobalPlannerService>()
 }

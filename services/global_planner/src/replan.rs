@@ -145,7 +145,7 @@ pub struct Replanner {
     pending: Option<Pending>,
     /// What the map did since the last search.
     change: Change,
-    /// Cheapest way that the cells eased since the last search allow. [m of free cells]
+    /// Cheapest way that the cells cost_decreased since the last search allow. [m of free cells]
     promised_m: f64,
     robot: Pose,
     revision: u64,
@@ -448,7 +448,7 @@ impl Replanner {
 
     /// Takes in what the map did.
     fn observe(&mut self, situation: &Situation<'_>) {
-        // The robot may have come closer to what eased before.
+        // The robot may have come closer to what cost_decreased before.
         self.promised_m -= OCTILE_MAX * self.robot.distance_m(&situation.robot);
         self.robot = situation.robot;
         let Some(map) = situation.map else {
@@ -464,15 +464,15 @@ impl Replanner {
             Some((map.geometry.cell_at(situation.robot.point())?, goal))
         });
         let promised_m = &mut self.promised_m;
-        let eased = |cell: Cell| {
+        let cost_decreased = |cell: Cell| {
             if let Some((robot, goal)) = ends {
                 let cells = apart(robot, cell) + apart(cell, goal);
                 *promised_m = promised_m.min(cells * map.geometry.resolution_m);
             }
         };
-        let change = self
-            .memory
-            .take_in(&map, situation.changed, self.config.unknown, eased);
+        let change =
+            self.memory
+                .take_in(&map, situation.changed, self.config.unknown, cost_decreased);
         self.change.geometry |= change.geometry;
         self.change.opened |= change.opened;
         self.change.any |= change.any;

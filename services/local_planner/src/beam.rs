@@ -32,8 +32,8 @@ use crate::dwa_t::{TimedWindow, in_time};
 use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{Prediction, Tracks};
-use crate::pilot::scene::{Choose, Mode, Scene, Wish};
-use crate::record::{Record, Seen};
+use crate::pilot::scene::{Choose, ControlOutput, Mode, Scene};
+use crate::record::{DrawnRollout, Record};
 use node::{Blocked, Node};
 use space::{LOOKS, Space};
 use visited::Visited;
@@ -86,7 +86,7 @@ struct Beam {
 }
 
 impl Choose for Beam {
-    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> ControlOutput {
         if !Search::is_needed(scene) {
             self.search.forget();
             return self.alone.choose(scene);
@@ -98,7 +98,7 @@ impl Choose for Beam {
             record.begin(scene.situation.map_from_base);
         }
         scene.memory.record = record;
-        let wish = match found {
+        let output = match found {
             Some(twist) => {
                 scene.memory.mode = Mode::Follow;
                 scene.memory.astray_s = 0.0;
@@ -109,7 +109,7 @@ impl Choose for Beam {
             None => self.alone.choose(scene),
         };
         scene.memory.rollouts = scene.memory.rollouts.max(self.search.looked_at);
-        wish
+        output
     }
 
     fn forget(&mut self) {
@@ -235,7 +235,7 @@ impl Search {
     fn tell(&self, record: &mut Record, layer: core::ops::Range<usize>, depth: usize) {
         let first = layer.start;
         for end in layer {
-            let seen = Seen {
+            let seen = DrawnRollout {
                 twist: self.nodes[self.ancestor(end, depth - 1)].asked,
                 cost: self.nodes[end].total,
                 outcome: RolloutOutcome::Costlier,
@@ -265,7 +265,7 @@ impl Search {
             0 => asked,
             depth => self.nodes[self.ancestor(parent, depth - 1)].asked,
         };
-        let seen = Seen {
+        let seen = DrawnRollout {
             twist,
             cost: self.nodes[parent].total,
             outcome: blocked.by,

@@ -20,7 +20,7 @@ pub(crate) mod window;
 
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
-use crate::pilot::scene::{Choose, Heading, Scene, Wish};
+use crate::pilot::scene::{Choose, ControlOutput, Heading, Scene};
 use critics::Critics;
 use options::DwaConfig;
 use rows::Rows;
@@ -39,7 +39,7 @@ struct DynamicWindow {
 }
 
 impl Choose for DynamicWindow {
-    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> ControlOutput {
         match scene.heading() {
             Ok(heading) => {
                 let best = self.best(scene, &heading);

@@ -16,9 +16,9 @@ use crate::dwa::rows::Rows;
 use crate::dwa::window::Window;
 use crate::pilot::Pilot;
 use crate::pilot::perception::{PATH_HORIZON_S, Perception, Tracks};
-use crate::pilot::scene::{CREEP_MPS, Choose, Heading, Mode, Scene, Wish};
-use crate::rated::{Evaluate, Terms, TimedWorth};
+use crate::pilot::scene::{CREEP_MPS, Choose, ControlOutput, Heading, Mode, Scene};
 use crate::record::Record;
+use crate::rollout_scores::{Evaluate, Terms, TimedRolloutScore};
 use nalgebra::Point2;
 use options::DwaTConfig;
 use zeronav_motion::Twist;
@@ -60,7 +60,7 @@ pub(crate) struct TimedWindow {
 }
 
 impl Choose for TimedWindow {
-    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> ControlOutput {
         match scene.heading() {
             Ok(heading) => {
                 let best = self.best(scene, &heading);
@@ -138,7 +138,7 @@ impl TimedWindow {
         record: Option<&mut Record>,
     ) -> Option<(f64, usize, Terms)> {
         let v_mps = self.rows.grid.speeds[speed];
-        let terms = TimedWorth {
+        let terms = TimedRolloutScore {
             worth: scene.worth_at(v_mps),
             v_mps,
             config: self.config,
@@ -158,7 +158,7 @@ impl TimedWindow {
             if let Some(nearer) = nearer_m(lane) {
                 outcome.progress_m = f64::from(nearer);
             }
-            terms.terms(grid.yaw_rates[lane], &outcome, rated.badness[lane])
+            terms.terms(grid.yaw_rates[lane], &outcome, rated.collision_cost[lane])
         };
         let worth_of = |lane: usize| match nearer_m(lane) {
             None => rated.worth[lane],

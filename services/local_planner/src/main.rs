@@ -27,7 +27,7 @@ const STATUS_TICKS: u64 = 10;
 /// Shortest period that the controller is given, in real time. [s]
 const PERIOD_S_MIN: f64 = 1.0e-3;
 
-struct PlannerService {
+struct LocalPlannerService {
     planner: LocalPlanner,
     readings: Readings,
     request: Writer<ControlRequest>,
@@ -39,7 +39,7 @@ struct PlannerService {
     goal_log: GoalLog,
 }
 
-impl Service for PlannerService {
+impl Service for LocalPlannerService {
     const ROLE: Role = Role::LocalPlanner;
     type Config = LocalPlannerConfig;
 
@@ -102,7 +102,7 @@ impl Service for PlannerService {
     }
 }
 
-impl PlannerService {
+impl LocalPlannerService {
     fn answer(&mut self, shell: &mut Shell, due: Due) {
         let mut draft = self.readings.begin(shell, due);
         *self.planner.timer() = shell.stage_timer(draft.started_ns);
@@ -163,5 +163,5 @@ impl PlannerService {
 }
 
 fn main() -> ExitCode {
-    zeronav_shell::run::<PlannerService>()
+    zeronav_shell::run::<LocalPlannerService>()
 }

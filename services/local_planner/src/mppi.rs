@@ -35,7 +35,7 @@ use crate::mppi::critics::cycle::Cycle;
 use crate::mppi::options::MppiConfig;
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
-use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
+use crate::pilot::scene::{COMFORT_SHARE, Choose, ControlOutput, Scene};
 use crate::record::Record;
 use batch::{Batch, LANES, Lanes};
 use decisive::decisive;
@@ -82,7 +82,7 @@ struct Mppi {
 }
 
 impl Choose for Mppi {
-    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> ControlOutput {
         let heading = match scene.heading() {
             Ok(heading) => heading,
             Err(turn) => {

@@ -1,7 +1,7 @@
 //! What all controllers have in common, those of the papers too: arriving, verifying the stop, and
 //! the command.
 //!
-//! A [`Pilot`] asks its chooser for a wish (`pilot/scene.rs`, one method) and publishes the
+//! A [`Pilot`] asks its chooser for a output (`pilot/scene.rs`, one method) and publishes the
 //! part of the way towards it that one control period allows:
 //!
 //! - **What is published is checked itself**: hold the twist for the reaction time, then ramp to
@@ -24,7 +24,7 @@ use crate::shaping::{Shaper, ShapingConfig};
 use crate::situation::{Decision, Situation};
 use crate::surroundings::Surroundings;
 use perception::{Perception, Tracks, horizon_s};
-use scene::{BLOCKED_S, Choose, Memory, Mode, Scene, Wish};
+use scene::{BLOCKED_S, Choose, ControlOutput, Memory, Mode, Scene};
 use verify::first_with_free_stop;
 use zeronav_motion::{Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::command::{RequestCause, Validity};
@@ -95,8 +95,8 @@ impl Pilot {
             .near(situation.robot, measured, COMMAND_LEAD_S)
     }
 
-    /// The wish of this period, or `None` without a path.
-    fn wish(&mut self, situation: &Situation<'_>, from: Twist) -> Option<Wish> {
+    /// The output of this period, or `None` without a path.
+    fn output(&mut self, situation: &Situation<'_>, from: Twist) -> Option<ControlOutput> {
         let place = self.perception.tracker.advance(
             situation.path_geometry,
             situation.path,
@@ -116,9 +116,9 @@ impl Pilot {
         if arriving.is_some() {
             self.chooser.forget();
         }
-        let wish = arriving.unwrap_or_else(|| self.chooser.choose(&mut scene));
+        let output = arriving.unwrap_or_else(|| self.chooser.choose(&mut scene));
         self.timer.mark(Stage::Rollouts);
-        Some(wish)
+        Some(output)
     }
 
     /// The twist for this period. Finite, within the robot's limits, reachable from the twist of
@@ -131,17 +131,17 @@ impl Pilot {
         self.memory.begin(situation.goal.id);
         self.begin_record(situation);
         let from = self.start(situation);
-        let Some(wish) = self.wish(situation, from) else {
+        let Some(output) = self.output(situation, from) else {
             self.memory.mode = Mode::Follow;
             self.chooser.forget();
-            return self.publish(situation, from, &Wish::Rest(Validity::NoPath));
+            return self.publish(situation, from, &ControlOutput::Rest(Validity::NoPath));
         };
         let blocked_arc_m = self.perception.blocked_arc_m();
         let against = self.memory.against;
         Decision {
             blocked_arc_m,
             against,
-            ..self.publish(situation, from, &wish)
+            ..self.publish(situation, from, &output)
         }
     }
 
@@ -191,19 +191,27 @@ impl Pilot {
         }
     }
 
-    /// The first step towards the wish from which a stop is free; else the first step of a stop.
-    fn publish(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish) -> Decision {
-        let command = match wish {
-            Wish::Rest(validity) => Err(*validity),
-            Wish::Towards(wanted) => self
+    /// The first step towards the output from which a stop is free; else the first step of a stop.
+    fn publish(
+        &mut self,
+        situation: &Situation<'_>,
+        from: Twist,
+        output: &ControlOutput,
+    ) -> Decision {
+        let command = match output {
+            ControlOutput::Rest(validity) => Err(*validity),
+            ControlOutput::Towards(wanted) => self
                 .command(situation, from, self.candidates(*wanted))
                 .ok_or(Validity::Blocked),
         };
-        self.tell(situation, from, wish, command.ok().map(|(step, _)| step));
+        self.tell(situation, from, output, command.ok().map(|(step, _)| step));
         let mut decision = self.decision(situation, from, command);
         // Not moving although a motion is wanted is being blocked, whatever the cause.
         let (robot, period_s) = (situation.robot, situation.period_s);
-        let resting = matches!(wish, Wish::Rest(Validity::AtGoal | Validity::NoPath));
+        let resting = matches!(
+            output,
+            ControlOutput::Rest(Validity::AtGoal | Validity::NoPath)
+        );
         let idle = from.is_stopped()
             && decision.v_mps.abs() < 0.5 * robot.a_mps2_max * period_s
             && decision.w_radps.abs() < 0.5 * robot.alpha_radps2_max * period_s;
@@ -218,8 +226,8 @@ impl Pilot {
         }
         decision.turns = memory.turns && decision.validity == Validity::Drive;
         decision.rollouts = memory.rollouts;
-        (decision.cause, decision.limit_mps) = match (decision.validity, wish) {
-            (Validity::Drive, Wish::Towards(wanted)) => {
+        (decision.cause, decision.limit_mps) = match (decision.validity, output) {
+            (Validity::Drive, ControlOutput::Towards(wanted)) => {
                 self.memory
                     .limit
                     .with(situation, self.config.window_s, from, *wanted)
@@ -230,7 +238,7 @@ impl Pilot {
         decision
     }
 
-    /// What may be gone towards for a wish, best first.
+    /// What may be gone towards for a output, best first.
     fn candidates(&self, wanted: Twist) -> impl Iterator<Item = Twist> {
         let slowed = Twist::new(0.0, wanted.w_radps);
         let others = self.memory.reserve.iter().map(|(_, twist)| *twist);
@@ -247,19 +255,27 @@ impl Pilot {
     }
 
     /// Tells the record which candidate `step`, the command of this period, goes towards.
-    fn tell(&mut self, situation: &Situation<'_>, from: Twist, wish: &Wish, step: Option<Twist>) {
+    fn tell(
+        &mut self,
+        situation: &Situation<'_>,
+        from: Twist,
+        output: &ControlOutput,
+        step: Option<Twist>,
+    ) {
         if self.memory.record.is_none() {
             return;
         }
-        let picked = match (wish, step) {
+        let picked = match (output, step) {
             // Of two candidates with the same step the first one was taken.
-            (Wish::Towards(wanted), Some(step)) => self.candidates(*wanted).find(|candidate| {
-                let (robot, period_s) = (situation.robot, situation.period_s);
-                self.shaper.next(robot, from, *candidate, period_s) == step
-            }),
+            (ControlOutput::Towards(wanted), Some(step)) => {
+                self.candidates(*wanted).find(|candidate| {
+                    let (robot, period_s) = (situation.robot, situation.period_s);
+                    self.shaper.next(robot, from, *candidate, period_s) == step
+                })
+            }
             _ => None,
         };
-        // A wish of the arrival or of a turn is one motion, and no rollout.
+        // A output of the arrival or of a turn is one motion, and no rollout.
         self.end_record(situation, (from, picked), self.memory.rollouts.max(1));
     }
 

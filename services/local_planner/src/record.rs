@@ -31,7 +31,7 @@ const SUBSTEPS: u8 = 4;
 
 /// A rollout as its chooser knows it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct DrawnRollout {
     /// Towards which it goes at first. [m/s], [rad/s]
     pub(crate) twist: (f32, f32),
     /// Less is better; 0 = not rated.
@@ -94,7 +94,7 @@ impl Record {
 
     /// A rollout that was looked at; `at` is its place at the end of a step, relative to the robot
     /// along the axes of the map. [m]
-    pub(crate) fn offer(&mut self, seen: &Seen, at: impl Fn(usize) -> (f32, f32)) {
+    pub(crate) fn offer(&mut self, seen: &DrawnRollout, at: impl Fn(usize) -> (f32, f32)) {
         let number = self.offered;
         self.offered = number.wrapping_add(1);
         let here = self.here;
@@ -107,7 +107,7 @@ impl Record {
     }
 
     /// What the chooser goes for; the last one counts.
-    pub(crate) fn lead(&mut self, seen: &Seen, at: impl Fn(usize) -> (f32, f32)) {
+    pub(crate) fn lead(&mut self, seen: &DrawnRollout, at: impl Fn(usize) -> (f32, f32)) {
         self.lead = Some(drawn(&self.here, seen, at));
     }
 
@@ -167,7 +167,7 @@ fn pair(twist: Twist) -> (f32, f32) {
 
 /// The rollout as a message has it: the robot's place, then places as evenly spread over its steps as
 /// there is room for.
-fn drawn(here: &Pose, seen: &Seen, at: impl Fn(usize) -> (f32, f32)) -> Rollout {
+fn drawn(here: &Pose, seen: &DrawnRollout, at: impl Fn(usize) -> (f32, f32)) -> Rollout {
     let steps = seen.steps.min(ROLLOUT_POINTS_MAX - 1);
     let limit = narrow(ROLLOUT_COST_MAX);
     let cost = seen.cost.clamp(-limit, limit);
@@ -233,8 +233,8 @@ mod tests {
     use super::*;
     use crate::test_robot::robot;
 
-    fn seen(number: u16, outcome: RolloutOutcome) -> Seen {
-        Seen {
+    fn seen(number: u16, outcome: RolloutOutcome) -> DrawnRollout {
+        DrawnRollout {
             twist: (0.5, 0.001 * f32::from(number)),
             // The 700th costs least.
             cost: (f32::from(number) - 700.0).abs() - 3.0,
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[allow(clippy::cast_precision_loss, reason = "a few dozen steps")]
-    fn offer(record: &mut Record, seen: &Seen) {
+    fn offer(record: &mut Record, seen: &DrawnRollout) {
         let w = seen.twist.1;
         record.offer(seen, |step| (0.05 * (step + 1) as f32, w * step as f32));
     }

@@ -16,13 +16,13 @@ const SAME_M: f64 = 0.6;
 
 /// Something that moved when it was seen.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct Detection {
     obstacle: Obstacle,
     /// Run time of the scan. [ns]
     run_ns: u64,
 }
 
-impl Seen {
+impl Detection {
     /// Where it should be at a run time, and how sure that is, if it went on. [ns]
     fn at(&self, run_ns: u64) -> Obstacle {
         let elapsed_s = seconds(run_ns.saturating_sub(self.run_ns));
@@ -59,7 +59,7 @@ pub struct Remembered {
     obstacles: Vec<Obstacle>,
     n_newest: usize,
     run_ns: u64,
-    before: Vec<Seen>,
+    before: Vec<Detection>,
 }
 
 impl Remembered {
@@ -68,7 +68,7 @@ impl Remembered {
         if author != self.author {
             let (of_author, seen_ns) = (&self.obstacles[..self.n_newest], self.run_ns);
             let moving = of_author.iter().filter(|obstacle| moves(obstacle));
-            self.before.extend(moving.map(|obstacle| Seen {
+            self.before.extend(moving.map(|obstacle| Detection {
                 obstacle: *obstacle,
                 run_ns: seen_ns,
             }));

@@ -12,7 +12,7 @@ use zeronav_msgs::task::Goal;
 use zeronav_msgs::{MapView, Pose};
 
 /// Where obstacles will be, as the simulator tells it in a run that measures what prediction costs;
-/// empty in earnest.
+/// empty in normal runs.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Future<'a> {
     /// What moves, `map` frame.

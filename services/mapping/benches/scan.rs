@@ -143,12 +143,12 @@ fn aisle() -> Room {
 }
 
 /// A robot's pose at the first and the last beam of a scan, and the scan.
-type Seen = (Pose, Pose, Scan, Vec<f32>);
+type Capture = (Pose, Pose, Scan, Vec<f32>);
 
 /// To and fro through the aisle, 9 cm a scan, with 8 mm of noise: again and again. Beams are taken at once, or one
 /// after the other.
 #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
-fn drive(room: &Room, in_turn: bool) -> Vec<Seen> {
+fn drive(room: &Room, in_turn: bool) -> Vec<Capture> {
     let mut rng = Rng(1);
     let at = |n: f64| room.pose(120.0 + 1.8 * n, 128.5, 0.02 * (0.1 * n).sin());
     let ways = (0..180)

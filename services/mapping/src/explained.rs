@@ -107,7 +107,7 @@ impl<'a> Walls<'a> {
             direction,
         };
         let (width, height) = geometry.size();
-        let mut way = Way {
+        let mut way = PassedCells {
             cells: self.mapper.cells(),
             is_blocked: false,
         };
@@ -117,12 +117,12 @@ impl<'a> Walls<'a> {
 }
 
 /// The way of a beam.
-struct Way<'a> {
+struct PassedCells<'a> {
     cells: &'a [MapCell],
     is_blocked: bool,
 }
 
-impl Passing for Way<'_> {
+impl Passing for PassedCells<'_> {
     fn leaps(&self, _x: i32, _y: i32) -> bool {
         self.is_blocked
     }

@@ -73,7 +73,7 @@ impl Surface {
 
 /// What the hits around a point say.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Seen {
+pub(crate) enum HitsMean {
     /// Nothing: they are few.
     Nothing,
     /// They lie on no line.
@@ -217,18 +217,18 @@ impl HitMeans {
 
     /// The surface near a point of the map [m] that is seen from the direction `eye`: a wall has another
     /// one behind.
-    pub(crate) fn near(&self, at: Point2<f64>, eye: Vector2<f64>) -> Seen {
+    pub(crate) fn near(&self, at: Point2<f64>, eye: Vector2<f64>) -> HitsMean {
         for around in self.around {
             let seen = self.within(around, at, eye);
-            if seen != Seen::Unclear {
+            if seen != HitsMean::Unclear {
                 return seen;
             }
         }
-        Seen::Unclear
+        HitsMean::Unclear
     }
 
     /// The same by the hits that are so many cells around.
-    fn within(&self, around: i32, at: Point2<f64>, eye: Vector2<f64>) -> Seen {
+    fn within(&self, around: i32, at: Point2<f64>, eye: Vector2<f64>) -> HitsMean {
         let middle = self.geometry.unbounded_cell_at(at);
         let mut facing = Scatter::default();
         let mut all = Scatter::default();
@@ -251,7 +251,7 @@ impl HitMeans {
         // Along a wall one looks now from here, now from there.
         let scatter = if facing.n < HITS_MIN { all } else { facing };
         if scatter.n < HITS_MIN {
-            return Seen::Nothing;
+            return HitsMean::Nothing;
         }
         let cell_m = self.geometry.resolution_m;
         let mean = scatter.sum / scatter.n;
@@ -277,9 +277,9 @@ impl HitMeans {
             && tilt <= TILT_RAD.powi(2)
             && (at - mean).dot(&along.0).powi(2) <= BESIDE.powi(2) * along.1;
         if is_behind || !(is_alone || is_line) {
-            return Seen::Unclear;
+            return HitsMean::Unclear;
         }
-        Seen::Surface(Surface {
+        HitsMean::Surface(Surface {
             mean,
             across,
             along: is_alone.then_some(along),
@@ -357,9 +357,9 @@ mod tests {
         })
     }
 
-    fn surface(seen: Seen) -> Surface {
+    fn surface(seen: HitsMean) -> Surface {
         match seen {
-            Seen::Surface(surface) => surface,
+            HitsMean::Surface(surface) => surface,
             other => panic!("{other:?}"),
         }
     }
@@ -386,7 +386,7 @@ mod tests {
         let along = Vector2::new(0.99, -0.14);
         assert!(matches!(
             means.near(Point2::new(1.0, 0.11), along),
-            Seen::Surface(_)
+            HitsMean::Surface(_)
         ));
     }
 
@@ -395,12 +395,12 @@ mod tests {
         let mut means = empty();
         let front = Vector2::new(0.0, -1.0);
         add(&mut means, wall(), front);
-        assert_eq!(means.near(Point2::new(1.0, 0.2), -front), Seen::Unclear);
+        assert_eq!(means.near(Point2::new(1.0, 0.2), -front), HitsMean::Unclear);
         let beyond = means.near(Point2::new(2.12, 0.11), front);
-        assert!(!matches!(beyond, Seen::Surface(_)), "{beyond:?}");
-        assert_eq!(means.near(Point2::new(3.0, 0.11), front), Seen::Nothing);
+        assert!(!matches!(beyond, HitsMean::Surface(_)), "{beyond:?}");
+        assert_eq!(means.near(Point2::new(3.0, 0.11), front), HitsMean::Nothing);
         let outside = means.near(Point2::new(-9.0, 1.0e9), front);
-        assert_eq!(outside, Seen::Nothing);
+        assert_eq!(outside, HitsMean::Nothing);
     }
 
     #[test]
@@ -448,8 +448,8 @@ mod tests {
                 means.forget(Cell::new(x, y));
             }
         }
-        assert_eq!(means.near(Point2::new(1.0, 0.11), front), Seen::Nothing);
+        assert_eq!(means.near(Point2::new(1.0, 0.11), front), HitsMean::Nothing);
         moved.clear();
-        assert_eq!(moved.near(Point2::new(0.5, 0.11), front), Seen::Nothing);
+        assert_eq!(moved.near(Point2::new(0.5, 0.11), front), HitsMean::Nothing);
     }
 }

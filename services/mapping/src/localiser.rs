@@ -94,7 +94,7 @@ pub struct Localiser {
     /// Variance of the yaw that the last step added. [rad^2]
     step_yaw: f64,
     /// All that was added so far. [rad^2]
-    yaw_doubt: f64,
+    yaw_variance: f64,
     last_odom_from_base: Option<Pose>,
     /// Variance of the yaw that odometry claims, at the first scan and now, and what the
     /// configuration makes of the way between them. [rad^2]
@@ -126,7 +126,7 @@ impl Localiser {
             covariance: Matrix3::zeros(),
             drift: Matrix3::zeros(),
             step_yaw: 0.0,
-            yaw_doubt: 0.0,
+            yaw_variance: 0.0,
             last_odom_from_base: None,
             claimed_yaw: [0.0; 2],
             assumed_yaw: 0.0,
@@ -222,8 +222,8 @@ impl Localiser {
     /// Variance of the yaw that steps have added so far which nothing but odometry speaks for: by
     /// how much the yaw may be off against what it was a while ago. Never falls. [rad^2]
     #[must_use]
-    pub fn yaw_doubt(&self) -> f64 {
-        self.yaw_doubt
+    pub fn yaw_variance(&self) -> f64 {
+        self.yaw_variance
     }
 
     /// The robot is where a person says: `map_from_odom` from now on, given where odometry says the
@@ -419,7 +419,7 @@ impl Localiser {
             pose = matched.pose;
             self.unknown = (0.0, 0.0);
         }
-        self.yaw_doubt += self.step_yaw.min(self.covariance[(2, 2)]);
+        self.yaw_variance += self.step_yaw.min(self.covariance[(2, 2)]);
         self.map_from_base = pose;
         let base_from_odom = odom_from_base.isometry().inverse();
         self.map_from_odom = Pose::from(pose.isometry() * base_from_odom);

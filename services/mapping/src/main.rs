@@ -159,7 +159,7 @@ impl MappingService {
         if let Some(estimate) = estimate.filter(|it| it.from_tick > self.learnt_tick) {
             let pose = estimate.map_from_base;
             let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
-            tracing::info!(tick = due.tick, x_m, y_m, yaw_rad, "the robot is put there");
+            tracing::info!(tick = due.tick, x_m, y_m, yaw_rad, "pose estimate applied");
             mapping.relocate(estimate.map_from_odom(), &observation);
         }
         *mapping.timer() = shell.stage_timer(draft.started_ns);

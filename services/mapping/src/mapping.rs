@@ -5,6 +5,7 @@ use crate::beams::{Beam, Beams, End, Sweep};
 use crate::config::MappingConfig;
 use crate::error::MappingError;
 use crate::flips::Integrated;
+use crate::ground_truth::GroundTruth;
 use crate::localisation::StartPose;
 use crate::localiser::{Localiser, OdometryAt};
 use crate::located_scan::LocatedScan;
@@ -13,7 +14,6 @@ use crate::moved::Basis;
 use crate::outline::Outline;
 use crate::relocaliser::{Relocaliser, Sight, Sought, Step};
 use crate::slip::Ends;
-use crate::told::Told;
 use crate::tracker::{ScanView, Tracker};
 use nalgebra::{Matrix3, Point2};
 use zeronav_msgs::Pose;
@@ -50,7 +50,7 @@ pub struct Observation<'a> {
     /// Where the robot is going, in the map.
     pub goal: Option<Point2<f64>>,
     /// What moves, when that is told instead of tracked.
-    pub told: Option<Told<'a>>,
+    pub told: Option<GroundTruth<'a>>,
 }
 
 /// The map and everything that is followed on it.
@@ -185,7 +185,7 @@ impl Mapping {
                 map_from_frame: map_from_base,
                 map_from_laser: map_from_base.then(&self.base_from_laser),
                 run_ns: observation.run_ns,
-                yaw_doubt: self.localiser.yaw_doubt(),
+                yaw_variance: self.localiser.yaw_variance(),
             };
             match &observation.told {
                 Some(told) => told.teach(&mut self.tracker, &view),
@@ -301,7 +301,7 @@ impl Mapping {
             run_ns,
             is_uncertain: self.localiser.is_uncertain(),
         };
-        let step = relocaliser.follow(&sight, |point| !tracker.is_restless_at(point, run_ns));
+        let step = relocaliser.follow(&sight, |point| !tracker.may_be_dynamic_at(point, run_ns));
         match &step {
             Step::Nothing => return,
             Step::Lost => self.localiser.lose(),
@@ -378,7 +378,7 @@ impl Mapping {
         let tracker = &self.tracker;
         let ends = (&mut self.standing, &mut self.ago);
         let n_ends = ends_of(self.beams.as_slice(), 1, range_m_max, ends, |end| {
-            !tracker.is_restless_at(in_map(end), run_ns)
+            !tracker.may_be_dynamic_at(in_map(end), run_ns)
         });
         let mut are_most = 4 * self.standing.len() >= 3 * n_ends;
         if !are_most && tracker.sees_motion(run_ns) {

@@ -8,7 +8,7 @@
 //! weights that let go of what is not on the map (Geman, `McClure`, 1987).
 
 use crate::clearance::ClearanceField;
-use crate::hit_means::{BeamEnd, HitMeans, Seen, Surface};
+use crate::hit_means::{BeamEnd, HitMeans, HitsMean, Surface};
 use crate::rows_around::{around, cell_at};
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
 use zeronav_msgs::pose::wrap_angle;
@@ -239,7 +239,7 @@ impl Surfaces {
         let held_m = HELD_CELLS * self.geometry.resolution_m;
         let is_held = self.is_held(points(), predicted, held_m);
         let reach_m = if is_held { held_m } else { REACH_M };
-        let mut seen = [Seen::Nothing; POINTS_MAX];
+        let mut seen = [HitsMean::Nothing; POINTS_MAX];
         for step in 0..STEPS_MAX {
             let (sin, cos) = at.z.sin_cos();
             let mut pulls = Pulls::default();
@@ -259,19 +259,19 @@ impl Surfaces {
                 if is_held && step % LOOKS_EVERY == 0 {
                     let look = || self.means.near(there, -turned);
                     *seen = if is_static(there) {
-                        Seen::Nothing
+                        HitsMean::Nothing
                     } else {
                         look()
                     };
                 }
                 match seen {
-                    Seen::Surface(surface) => {
+                    HitsMean::Surface(surface) => {
                         pulls.add_surface(&turned, there, surface, sigma_m);
                     }
-                    Seen::Nothing if !is_held || is_static(there) => {
+                    HitsMean::Nothing if !is_held || is_static(there) => {
                         pulls.add_cell(&turned, &slope, distance_m, is_static(there));
                     }
-                    Seen::Nothing | Seen::Unclear => {}
+                    HitsMean::Nothing | HitsMean::Unclear => {}
                 }
             }
             if near < (NEAR_SHARE_MIN * n).max(NEAR_MIN) {

@@ -13,9 +13,9 @@
 //! (`slip.rs`): none at all, none since the key scan, and that of the scan before. Where one of them explains more, the scans
 //! carry the robot; where nothing explains a scan full of points, the motion is not known.
 //!
-//! Odometry that claims to be exact is only watched: a few points of each scan tell whether the rest is worth a look (`doubt.rs`).
+//! Odometry that claims to be exact is only watched: a few points of each scan tell whether the rest is worth a look (`consistency.rs`).
 
-mod doubt;
+mod consistency;
 
 use crate::moved::{Basis, Moved, TOLD_M, deviations};
 use crate::near_points::{NearPoints, is_linked};

@@ -50,8 +50,8 @@ pub(crate) struct Track {
     pub hit_ns: u64,
     /// Where it began, or came to rest.
     pub born_at: Point2<f64>,
-    /// [`crate::tracker::ScanView::yaw_doubt`] then. [rad^2]
-    pub born_yaw_doubt: f64,
+    /// [`crate::tracker::ScanView::yaw_variance`] then. [rad^2]
+    pub born_yaw_variance: f64,
     /// It moves.
     pub moving: bool,
     /// The last scan showed that it moves.
@@ -87,7 +87,7 @@ impl Track {
         number: u64,
         form: Form,
         place: &Place,
-        (run_ns, yaw_doubt): (u64, f64),
+        (run_ns, yaw_variance): (u64, f64),
     ) -> Self {
         let mut trail = Trail {
             places: [Point2::origin(); TRAIL_MAX],
@@ -102,7 +102,7 @@ impl Track {
             born_ns: run_ns,
             hit_ns: run_ns,
             born_at: place.centre,
-            born_yaw_doubt: yaw_doubt,
+            born_yaw_variance: yaw_variance,
             moving: false,
             just_moving: false,
             slow_since_ns: run_ns,

@@ -57,7 +57,7 @@ const POINTS_MIN: usize = 3;
 /// Time after the last hit at which a track ends: three scans of a lidar at 10 Hz. [s]
 const COAST_S: f64 = 0.3;
 
-/// The same for what moves while it is hidden: who passed behind somebody comes out again. [s]
+/// The same for an occluded track, which is kept so that it can be re-associated. [s]
 const HIDDEN_S: f64 = 1.5;
 
 /// Standard deviations of the filter's speed above which a track may be called moving.
@@ -112,12 +112,12 @@ pub struct ScanView<'a> {
     /// Run time of the capture. [ns]
     pub run_ns: u64,
     /// How much variance the yaw has gathered so far; 0 where the pose is exact. [rad^2]
-    pub yaw_doubt: f64,
+    pub yaw_variance: f64,
 }
 
 /// A cluster that may be an obstacle of its own.
 #[derive(Debug, Clone, Copy)]
-struct Seen {
+struct Detection {
     cluster: Cluster,
     fit: Fit,
     /// The track that it belongs to.
@@ -134,14 +134,14 @@ pub struct Tracker {
     next_number: u64,
     run_ns: u64,
     /// Of the last scan. [rad^2]
-    yaw_doubt: f64,
+    yaw_variance: f64,
     /// Standard deviation of the last scan's hits across what they lie on. [m]
     noise_m: f64,
     /// Scratch: its hits. [m]
     hits: Vec<Point2<f64>>,
     /// When something moved last. [ns]
     moved_ns: Option<u64>,
-    seen: Vec<Seen>,
+    seen: Vec<Detection>,
     /// Squared Mahalanobis distance, track, place in `seen`.
     pairs: Vec<(f64, usize, usize)>,
     /// One entry per beam: it ended on something that moves.
@@ -159,7 +159,7 @@ impl Tracker {
             tracks: Vec::with_capacity(OBSTACLES_MAX),
             next_number: 1,
             run_ns: 0,
-            yaw_doubt: 0.0,
+            yaw_variance: 0.0,
             noise_m: 0.0,
             hits: Vec::new(),
             moved_ns: None,
@@ -183,7 +183,7 @@ impl Tracker {
         self.moving_beams.resize(view.ranges.len(), false);
         let dt_s = seconds(view.run_ns.saturating_sub(self.run_ns));
         self.run_ns = view.run_ns;
-        self.yaw_doubt = view.yaw_doubt;
+        self.yaw_variance = view.yaw_variance;
         self.hits.clear();
         self.hits
             .extend(view.beams.as_slice().iter().filter_map(Beam::point));
@@ -220,7 +220,7 @@ impl Tracker {
 
     /// Forgets what was followed, and follows these into a scan: they move.
     pub(crate) fn replace(&mut self, view: &ScanView<'_>, tracks: impl Iterator<Item = Track>) {
-        (self.run_ns, self.yaw_doubt) = (view.run_ns, view.yaw_doubt);
+        (self.run_ns, self.yaw_variance) = (view.run_ns, view.yaw_variance);
         self.tracks.clear();
         self.tracks.extend(tracks);
         if !self.tracks.is_empty() {
@@ -259,7 +259,7 @@ impl Tracker {
     /// True when a point of the map is where something should be at `run_ns` that moves, or that
     /// seems to, however uncertain that is.
     #[must_use]
-    pub fn is_restless_at(&self, point_in_map: Point2<f64>, run_ns: u64) -> bool {
+    pub fn may_be_dynamic_at(&self, point_in_map: Point2<f64>, run_ns: u64) -> bool {
         let ahead_s = seconds(run_ns.saturating_sub(self.run_ns));
         self.tracks.iter().any(|track| {
             let place = track.filter.position() + track.filter.velocity() * ahead_s;
@@ -314,7 +314,7 @@ impl Tracker {
             let places = points.iter().map(|point| point.at);
             let fitted = fit(places, eye, self.config.radius_m_max);
             if let Some(fit) = fitted.filter(|fit| fit.radius_m() <= self.config.radius_m_max) {
-                self.seen.push(Seen {
+                self.seen.push(Detection {
                     cluster: *cluster,
                     fit,
                     track: None,
@@ -354,7 +354,7 @@ impl Tracker {
     }
 
     /// Where something of this form is, judged by a cluster.
-    fn measured(&self, form: &Form, seen: &Seen, eye: Point2<f64>) -> Place {
+    fn measured(&self, form: &Form, seen: &Detection, eye: Point2<f64>) -> Place {
         let variance = self.config.position_sigma_m.max(self.noise_m).powi(2);
         let even = Matrix2::from_diagonal_element(variance);
         let points = self.clusters.points(&seen.cluster);
@@ -419,7 +419,7 @@ impl Tracker {
             if rests_ns > nanoseconds(REST_S) {
                 followed.moving = false;
                 followed.born_at = followed.filter.position();
-                followed.born_yaw_doubt = self.yaw_doubt;
+                followed.born_yaw_variance = self.yaw_variance;
             }
         } else if followed.hits >= HITS_TO_CONFIRM
             && speed_mps > MOVING_SIGMAS * followed.filter.speed_sigma_mps()
@@ -443,7 +443,7 @@ impl Tracker {
     /// How far a static obstacle may seem to have moved since it was first seen because the yaw is not
     /// known so well. [m]
     fn swing_m(&self, track: &Track, eye: Point2<f64>) -> f64 {
-        let doubt = (self.yaw_doubt - track.born_yaw_doubt).max(0.0);
+        let doubt = (self.yaw_variance - track.born_yaw_variance).max(0.0);
         let range_m = (track.filter.position() - eye).norm();
         YAW_SIGMAS * doubt.sqrt() * range_m
     }
@@ -483,7 +483,7 @@ impl Tracker {
             let seen = self.seen[n];
             let form = Form::of(&seen.fit, seen.cluster.hidden);
             let place = self.measured(&form, &seen, eye);
-            let now = (self.run_ns, self.yaw_doubt);
+            let now = (self.run_ns, self.yaw_variance);
             self.tracks
                 .push(Track::new(self.next_number, form, &place, now));
             self.next_number += 1;

@@ -4,6 +4,6 @@
 
 pub mod control;
 pub mod health;
+pub mod hop_chain;
 pub mod statistics;
 pub mod usage;
-pub mod way;

@@ -1323,7 +1323,7 @@ class Foreseen(Message):
         ("vx_mps", f64),
         # [m/s] `map` frame.
         ("vy_mps", f64),
-        # [m] 0 to 10. Of what is no disc, of the disc around it.
+        # [m] 0 to 10. For other shapes: radius of the enclosing disc.
         ("radius_m", f64),
         # [s] until it vanishes; 1e9 = it stays.
         ("lasts_s", f64),

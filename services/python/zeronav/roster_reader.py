@@ -41,6 +41,6 @@ class RosterReader:
         deadline_s = time.monotonic() + KNOWN_LIMIT_S
         while not self.roster.is_known:
             if time.monotonic() > deadline_s:
-                raise StartError("reading run/control: launch says nothing")
+                raise StartError("reading run/control: no message from launch")
             time.sleep(KNOWN_PAUSE_S)
             self.poll()

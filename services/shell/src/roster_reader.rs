@@ -63,7 +63,7 @@ impl RosterReader {
             if started.elapsed() > limit {
                 return Err(StartError::system(
                     "reading run/control",
-                    "launch says nothing",
+                    "no message from launch",
                 ));
             }
             std::thread::sleep(KNOWN_PAUSE);
@@ -206,7 +206,10 @@ mod tests {
         let began = Instant::now();
         let error = reader.known_within(limit).expect_err("nothing was said");
         assert!(began.elapsed() >= limit, "it did not wait");
-        assert!(error.to_string().contains("launch says nothing"), "{error}");
+        assert!(
+            error.to_string().contains("no message from launch"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -15,8 +15,8 @@ use std::collections::{HashMap, VecDeque};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
+use zeronav_observe::hop_chain::HopChain;
 use zeronav_observe::statistics::percentile;
-use zeronav_observe::way::Way;
 
 /// Records that are kept of each role.
 const KEPT: usize = 512;
@@ -74,7 +74,7 @@ impl<K: Hash + Eq + Copy, V> Recent<K, V> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Taken {
     /// Its hops.
-    pub way: Way,
+    pub way: HopChain,
     /// Run tick of the command.
     pub tick: u64,
 }
@@ -287,7 +287,7 @@ impl Hops {
                 uses: uses.map_or(1, |before| before.uses + 1),
             };
             if self.is_first_on_its_scan(&local) == Some(true) {
-                let way = Way::direct([scan, &local, &guard, applied]);
+                let way = HopChain::direct([scan, &local, &guard, applied]);
                 self.last_direct = Some(Taken { way, tick });
             }
             self.in_use = Some(in_use);
@@ -299,7 +299,7 @@ impl Hops {
         let global = self.answer(Role::GlobalPlanner, self.awaited)?;
         let mapping = self.answer(Role::Mapping, global.map)?;
         let scan = self.scans.get(mapping.scan)?;
-        let way = Way::through_map([scan, mapping, global, &local, &guard, applied]);
+        let way = HopChain::through_map([scan, mapping, global, &local, &guard, applied]);
         self.last_replanning = Some(Taken { way, tick });
         self.last_replanning.as_ref()
     }

@@ -8,8 +8,8 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::time::seconds;
 use zeronav_observe::health::{Condition, Heart};
+use zeronav_observe::hop_chain::to_us;
 use zeronav_observe::usage::{Meter, Reading};
-use zeronav_observe::way::to_us;
 
 /// For how long a restart stands in the table. [ns]
 const RESTARTED_NS: u64 = 2_000_000_000;

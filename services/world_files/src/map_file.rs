@@ -34,7 +34,7 @@ const SCALE_LETHAL: f64 = 0.995;
 /// Largest YAML file. [bytes]
 const YAML_BYTES_MAX: u64 = 65_536;
 
-/// Something about a map file that its author may not have meant.
+/// A warning about a map file: something that is probably not intended.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MapWarning {
     /// Pixels of value 205, with which map savers mean "unknown", load as free.

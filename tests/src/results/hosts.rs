@@ -303,7 +303,7 @@ fn disturbed(
     })
 }
 
-/// The result of a drive whose way is bad from its second second on.
+/// The result of a drive whose way is bad from t = 2 s on.
 fn drive_over(
     mut way: Way,
     drive: Child,

@@ -273,7 +273,7 @@ fn watch(seat: &SeatRow, binary: &str) -> Seen {
     let mut guest = Guest::join(&root);
     let started = Instant::now();
     while !guest.roster.roster().is_known() {
-        assert!(started.elapsed() < LIMIT, "launch says nothing");
+        assert!(started.elapsed() < LIMIT, "no message from launch");
         guest.poll();
     }
     let config = root.join(format!("{role}.toml")).display().to_string();

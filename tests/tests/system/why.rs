@@ -283,7 +283,7 @@ fn a_running_stack_is_explained_as_it_is_now() {
     let before = up.ask(&["why", "--ago", &before], 0);
     says(&before, &["the robot stands."]);
     let never = up.ask(&["why", "--ago", "9999"], 2);
-    says(&never, &["nothing is kept of 9999 s ago"]);
+    says(&never, &["no history for 9999 s ago"]);
     up.ask(&["resume"], 0);
     up.ask(&["fault", "kill", "local_planner"], 0);
     let text = up.ask(&["why"], 0);

@@ -3,7 +3,7 @@
 use super::format::{TraceEvent, Track};
 use super::layout::{About, TOPICS_PID, id_text};
 use crate::Records;
-use crate::edges::{EDGES, Way};
+use crate::edges::{EDGES, TopicEdge};
 use std::collections::BTreeMap;
 
 /// Writes a track per topic and reader.
@@ -22,7 +22,13 @@ pub(super) fn write(records: &Records, about: &About, events: &mut Vec<TraceEven
 
 /// A message lies there until its reader begins to work with it, or until a newer one takes its
 /// place.
-fn edge(way: &Way, records: &Records, about: &About, track: Track, events: &mut Vec<TraceEvent>) {
+fn edge(
+    way: &TopicEdge,
+    records: &Records,
+    about: &About,
+    track: Track,
+    events: &mut Vec<TraceEvent>,
+) {
     let spans = &records.spans;
     let mut taken_ns: BTreeMap<u64, u64> = BTreeMap::new();
     for span in spans.iter().filter(|span| way.is_read_by(span)) {

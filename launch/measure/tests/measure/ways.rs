@@ -6,7 +6,7 @@ use zeronav_measure::result::latency::Latency;
 use zeronav_msgs::path::PathCause;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
-use zeronav_observe::way::{DIRECT, HOPS, THROUGH_MAP, Way};
+use zeronav_observe::hop_chain::{DIRECT, HOPS, HopChain, THROUGH_MAP};
 
 /// The drive with its answer, `change` applied to the spans of the second turn.
 fn changed(change: impl Fn(&mut Span)) -> Latency {
@@ -174,7 +174,7 @@ fn stamps_that_are_forged_together_show_on_the_second_clock() {
 
 #[test]
 fn the_clocks_may_differ_by_their_slew_and_two_readings() {
-    let way = |second_ns: u64| Way {
+    let way = |second_ns: u64| HopChain {
         hops: &DIRECT[..1],
         boundaries_ns: vec![5, 1_000_000_005],
         second_ns: Some(second_ns),
@@ -189,7 +189,7 @@ fn the_clocks_may_differ_by_their_slew_and_two_readings() {
     ] {
         assert_eq!(way(second_ns).is_beyond(), beyond, "{second_ns}");
     }
-    let without = Way {
+    let without = HopChain {
         second_ns: None,
         ..way(0)
     };

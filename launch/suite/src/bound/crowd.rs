@@ -1,7 +1,7 @@
 //! What moves, during one manoeuvre.
 
 use super::super::future::Mover;
-use super::gaits::{MOMENTS, STEPS, step_s};
+use super::velocity_pairs::{MOMENTS, STEPS, step_s};
 
 /// A disc during one manoeuvre.
 #[allow(clippy::struct_field_names, reason = "the postfix is the unit")]

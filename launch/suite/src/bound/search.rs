@@ -8,8 +8,8 @@
 
 use super::super::ground::Ground;
 use super::crowd::{self, Passage};
-use super::gaits::{Gaits, MANOEUVRE_S, Manoeuvre};
-use super::way::{Task, Way};
+use super::velocity_pairs::{MANOEUVRE_S, Manoeuvre, VelocityPairs};
+use super::way::{Route, Task};
 use core::f64::consts::TAU;
 use core::ops::Range;
 use nalgebra::Point2;
@@ -41,7 +41,7 @@ struct Node {
     yaw_rad: f64,
     /// Cosine and sine of it.
     heading: [f64; 2],
-    gait: usize,
+    pair: usize,
 }
 
 /// How a state was reached.
@@ -49,8 +49,8 @@ struct Node {
 struct Trace {
     /// Index in the layer before.
     parent: usize,
-    /// The gait in which its last manoeuvre ended.
-    gait: usize,
+    /// The pair in which its last manoeuvre ended.
+    pair: usize,
 }
 
 /// A state that may be of the next layer.
@@ -60,7 +60,7 @@ struct Child {
     /// Its cell.
     cell: u64,
     parent: usize,
-    /// Index among the manoeuvres of the parent's gait.
+    /// Index among the manoeuvres of the parent's pair.
     manoeuvre: usize,
 }
 
@@ -83,19 +83,19 @@ struct Layer {
 
 struct Search<'a> {
     task: &'a Task<'a>,
-    gaits: &'a Gaits,
+    pairs: &'a VelocityPairs,
     ground: &'a Ground<'a>,
     interrupted: &'a AtomicBool,
 }
 
 /// A way that touches nothing, if one was found before an interruption: `None` says nothing about
 /// whether there is one. The same task always has the same answer.
-pub(super) fn find(task: &Task<'_>, interrupted: &AtomicBool) -> Option<Way> {
-    let gaits = Gaits::new(task.abilities);
+pub(super) fn find(task: &Task<'_>, interrupted: &AtomicBool) -> Option<Route> {
+    let pairs = VelocityPairs::new(task.abilities);
     let ground = Ground::new(task.world, task.abilities, task.goal_m, task.tolerance_m);
     let search = Search {
         task,
-        gaits: &gaits,
+        pairs: &pairs,
         ground: &ground,
         interrupted,
     };
@@ -104,9 +104,9 @@ pub(super) fn find(task: &Task<'_>, interrupted: &AtomicBool) -> Option<Way> {
 
 impl Search<'_> {
     /// The search with at most `width` states in a layer.
-    fn run(&self, width: usize) -> Option<Way> {
+    fn run(&self, width: usize) -> Option<Route> {
         let first = self.task.first();
-        let mut nodes = vec![Node::new(first.at_m, first.yaw_rad, self.gaits.rest)];
+        let mut nodes = vec![Node::new(first.at_m, first.yaw_rad, self.pairs.rest)];
         let mut traces: Vec<Vec<Trace>> = Vec::new();
         for n in 0.. {
             let left_s = self.task.time_limit_s - count(n) * MANOEUVRE_S;
@@ -118,7 +118,7 @@ impl Search<'_> {
             layer.arrivals.sort_by_key(|(moment, _)| *moment);
             for (_, last) in &layer.arrivals {
                 let sequence = sequence(&traces, *last);
-                if let Some(way) = Way::drive(self.task, self.gaits, &sequence) {
+                if let Some(way) = Route::drive(self.task, self.pairs, &sequence) {
                     return Some(way);
                 }
             }
@@ -142,12 +142,12 @@ impl Search<'_> {
                 continue;
             }
             let node = &nodes[child.parent];
-            let manoeuvre = &self.gaits.from(node.gait)[child.manoeuvre];
+            let manoeuvre = &self.pairs.from(node.pair)[child.manoeuvre];
             let around = near[ranges[child.parent].clone()].iter();
             let outcome = self.outcome(node, manoeuvre, &around.map(|index| &crowd[*index]));
             let trace = Trace {
                 parent: child.parent,
-                gait: manoeuvre.to,
+                pair: manoeuvre.to,
             };
             match outcome {
                 Outcome::Touches => continue,
@@ -167,14 +167,14 @@ impl Search<'_> {
         let most_s = (left_s - MANOEUVRE_S) * (1.0 + GROUND_ERROR);
         let mut children = Vec::new();
         for (parent, node) in nodes.iter().enumerate() {
-            for (index, manoeuvre) in self.gaits.from(node.gait).iter().enumerate() {
+            for (index, manoeuvre) in self.pairs.from(node.pair).iter().enumerate() {
                 let end = node.after(manoeuvre);
                 let to_go_m = self.ground.to_go_m(end.at_m);
                 // What is infinite is beyond every limit, too.
                 if to_go_m > most_s.max(0.0) * fastest_mps {
                     continue;
                 }
-                let v_mps = self.gaits.gait(manoeuvre.to).v_mps;
+                let v_mps = self.pairs.pair(manoeuvre.to).v_mps;
                 children.push(Child {
                     rank_s: self.rank_s(&end, to_go_m, v_mps),
                     cell: self.cell(&end, v_mps),
@@ -297,13 +297,13 @@ impl Search<'_> {
 }
 
 impl Node {
-    fn new(at_m: [f64; 2], yaw_rad: f64, gait: usize) -> Self {
+    fn new(at_m: [f64; 2], yaw_rad: f64, pair: usize) -> Self {
         let (sin, cos) = yaw_rad.sin_cos();
         Self {
             at_m,
             yaw_rad,
             heading: [cos, sin],
-            gait,
+            pair,
         }
     }
 
@@ -323,7 +323,7 @@ impl Node {
             at_m: self.placed(end.at_m),
             yaw_rad: self.yaw_rad + manoeuvre.turned_rad,
             heading: turned(self.heading, end.turned),
-            gait: manoeuvre.to,
+            pair: manoeuvre.to,
         }
     }
 }
@@ -333,17 +333,17 @@ fn turned([cos, sin]: [f64; 2], [by_cos, by_sin]: [f64; 2]) -> [f64; 2] {
     [cos * by_cos - sin * by_sin, sin * by_cos + cos * by_sin]
 }
 
-/// The gaits that lead to `last`, which comes after the layers of `traces`.
+/// The pairs that lead to `last`, which comes after the layers of `traces`.
 fn sequence(traces: &[Vec<Trace>], last: Trace) -> Vec<usize> {
-    let mut gaits = vec![last.gait];
+    let mut pairs = vec![last.pair];
     let mut parent = last.parent;
     for layer in traces.iter().rev() {
         let trace = layer[parent];
-        gaits.push(trace.gait);
+        pairs.push(trace.pair);
         parent = trace.parent;
     }
-    gaits.reverse();
-    gaits
+    pairs.reverse();
+    pairs
 }
 
 #[allow(clippy::cast_precision_loss, reason = "manoeuvres of some minutes")]

@@ -43,7 +43,7 @@ fn hall(shapes: &[ShapeSpec]) -> World {
 }
 
 /// A way from (1, y) to within 1 m of (12, y).
-fn way(world: &World, movers: &[Mover], [y, yaw]: [f64; 2], limit_s: f64) -> Option<Way> {
+fn way(world: &World, movers: &[Mover], [y, yaw]: [f64; 2], limit_s: f64) -> Option<Route> {
     let task = Task {
         world,
         movers,
@@ -57,7 +57,7 @@ fn way(world: &World, movers: &[Mover], [y, yaw]: [f64; 2], limit_s: f64) -> Opt
 }
 
 /// Least distance of the robot's rectangle from the discs of 0.3 m, looked at every millisecond. [m]
-fn least_m(way: &Way, movers: &[Mover]) -> f64 {
+fn least_m(way: &Route, movers: &[Mover]) -> f64 {
     let mut least_m = f64::INFINITY;
     for ends in way.states.windows(2) {
         for part in 0..5 {
@@ -79,7 +79,7 @@ fn least_m(way: &Way, movers: &[Mover]) -> f64 {
 }
 
 /// Checks that a robot with these limits can drive the way.
-fn check_motion(way: &Way) {
+fn check_motion(way: &Route) {
     let [v_max, a_max, w_max, alpha_max] = LIMITS;
     let first = way.states[0];
     assert!(first.v_mps.abs() < 1e-12 && first.w_radps.abs() < 1e-12);

@@ -2,7 +2,7 @@
 
 use super::super::future::Mover;
 use super::super::oracle::robot::{Abilities, State};
-use super::gaits::{Gaits, MOMENTS, STEPS, step, step_s};
+use super::velocity_pairs::{MOMENTS, STEPS, VelocityPairs, step, step_s};
 use nalgebra::Point2;
 use zeronav_msgs::Pose;
 use zeronav_world::World;
@@ -30,7 +30,7 @@ pub(super) struct Task<'a> {
 
 /// A drive from the start to the goal that touches nothing.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Way {
+pub(super) struct Route {
     /// Every step of 5 ms, from the start on.
     pub(super) states: Vec<State>,
     /// Least distance of the outline from anything; infinite in an empty world. [m]
@@ -73,19 +73,23 @@ impl Task<'_> {
     }
 }
 
-impl Way {
-    /// Drives from gait to gait until the robot is at the goal; `None` when it touches something
+impl Route {
+    /// Drives from pair to pair until the robot is at the goal; `None` when it touches something
     /// before, or does not get there.
-    pub(super) fn drive(task: &Task<'_>, gaits: &Gaits, sequence: &[usize]) -> Option<Self> {
+    pub(super) fn drive(
+        task: &Task<'_>,
+        pairs: &VelocityPairs,
+        sequence: &[usize],
+    ) -> Option<Self> {
         let mut now = task.first();
         let mut states = vec![now];
         let mut clearance_m = task.clearance_m(&now);
-        for gait in sequence {
+        for pair in sequence {
             for _ in 0..MOMENTS * STEPS {
                 if task.is_there(now.at_m) || clearance_m <= CONTACT_M {
                     break;
                 }
-                now = step(&now, gaits.gait(*gait), task.abilities);
+                now = step(&now, pairs.pair(*pair), task.abilities);
                 // Not a sum of steps: rounding shall not shift what moves.
                 now.t_s = step_s(states.len());
                 clearance_m = clearance_m.min(task.clearance_m(&now));

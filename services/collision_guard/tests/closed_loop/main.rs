@@ -49,11 +49,11 @@ struct Loop {
     /// Commands on their way to the wheels.
     on_the_way: Vec<Twist>,
     /// What the lidar saw so far, and where the robot was then.
-    seen: Vec<Seen>,
+    seen: Vec<View>,
 }
 
 /// One scan's hits in the world, and the robot at that moment.
-struct Seen {
+struct View {
     hits: Vec<Point2<f64>>,
     pose: Pose,
     twist: Twist,
@@ -147,7 +147,7 @@ impl Loop {
             ranges.push(range_m as f32);
         }
         (*captured, *pose) = (self.tick, self.pose);
-        self.seen.push(Seen {
+        self.seen.push(View {
             hits,
             pose: self.pose,
             twist: self.twist,
@@ -196,7 +196,7 @@ impl Loop {
     /// more: behind another obstacle, or on the far side of the same.
     fn was_hidden(&self) -> bool {
         let place = self.world.nearest(self.shape, &self.pose);
-        let shows = |seen: &&Seen| seen.hits.iter().any(|hit| (hit - place).norm() < 0.03);
+        let shows = |seen: &&View| seen.hits.iter().any(|hit| (hit - place).norm() < 0.03);
         let since = self.seen.iter().rev().take_while(shows).last();
         since.is_none_or(|seen| self.braking_touches(seen.pose, seen.twist, &seen.on_the_way))
     }

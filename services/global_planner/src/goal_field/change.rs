@@ -5,13 +5,13 @@ use super::{Changed, GoalField, State};
 use zeronav_msgs::{CellRect, MapView};
 
 impl GoalField {
-    /// Takes in the cells of `changed` and calls `risen` with each that became dearer or blocked;
+    /// Takes in the cells of `changed` and calls `cost_increased` with each that became dearer or blocked;
     /// says what changed. From now on every change has to be told.
     pub(crate) fn change(
         &mut self,
         map: &MapView<'_>,
         changed: &[CellRect],
-        mut risen: impl FnMut(Spot),
+        mut cost_increased: impl FnMut(Spot),
     ) -> Changed {
         self.told = true;
         if !self.built || *map.geometry != self.geometry {
@@ -19,7 +19,7 @@ impl GoalField {
             self.follow(map, self.unknown, self.rule);
             return Changed {
                 any: true,
-                eased: true,
+                cost_decreased: true,
             };
         }
         let mut changes = Changed::default();
@@ -51,20 +51,25 @@ impl GoalField {
                         self.raise.note(spot);
                     }
                     if new < old && !matches!(self.state, State::Missing | State::Clearing) {
-                        self.raise.eased = true;
-                        self.eased.push(spot);
+                        self.raise.cost_decreased = true;
+                        self.cost_decreased.push(spot);
                         self.eased_box.add(x, y);
                     }
                     if new > old {
-                        risen(spot);
+                        cost_increased(spot);
                     }
                     changes.any |= new != old;
-                    changes.eased |= new < old;
+                    changes.cost_decreased |= new < old;
                 }
             }
         }
         // More than a repair could ever be worth: it is not kept for one.
-        if self.eased.len().max(self.raise.risen.len()) > self.nodes.len() {
+        if self
+            .cost_decreased
+            .len()
+            .max(self.raise.cost_increased.len())
+            > self.nodes.len()
+        {
             self.state = State::Missing;
             self.forget_eased();
         }

@@ -58,11 +58,11 @@ pub(crate) struct Detours {
     ready: Forest,
     growth: Growth,
     /// Cells that became dearer since `ready` began.
-    risen: Vec<Spot>,
+    cost_increased: Vec<Spot>,
     /// How many of them came before `growth` began.
     before_growth: usize,
     /// Something became cheaper since `ready` began, and since `growth` did.
-    eased: [bool; 2],
+    cost_decreased: [bool; 2],
     changed: bool,
     updates: u32,
     cuts: Cuts,
@@ -76,25 +76,27 @@ impl Detours {
     /// A cell became dearer.
     pub(crate) fn note(&mut self, spot: Spot) {
         if !self.is_beyond_counting() {
-            self.risen.push(spot);
+            self.cost_increased.push(spot);
         }
     }
 
     const fn is_beyond_counting(&self) -> bool {
-        self.risen.len() >= CHANGES_MAX
+        self.cost_increased.len() >= CHANGES_MAX
     }
 
     /// An update of the map was taken in.
     pub(crate) fn note_update(&mut self, changed: Changed) {
         self.changed |= changed.any;
-        self.eased = self.eased.map(|eased| eased | changed.eased);
+        self.cost_decreased = self
+            .cost_decreased
+            .map(|cost_decreased| cost_decreased | changed.cost_decreased);
         self.updates = self.updates.saturating_add(1);
     }
 
     pub(crate) fn bytes(&self) -> usize {
         self.ready.bytes()
             + self.growth.bytes()
-            + self.risen.capacity() * size_of::<Spot>()
+            + self.cost_increased.capacity() * size_of::<Spot>()
             + self.cuts.bytes()
             + self.from_start.capacity() * size_of::<(u32, u32)>()
             + self.chain.capacity() * size_of::<u32>()
@@ -113,8 +115,9 @@ impl Detours {
                 Progress::Ready => {}
             }
             core::mem::swap(&mut self.ready, self.growth.forest());
-            self.risen.drain(..self.before_growth.min(self.risen.len()));
-            self.eased[0] = self.eased[1];
+            self.cost_increased
+                .drain(..self.before_growth.min(self.cost_increased.len()));
+            self.cost_decreased[0] = self.cost_decreased[1];
             return false;
         }
         let start = field.spot(start);
@@ -124,11 +127,11 @@ impl Detours {
         if self.is_beyond_counting() {
             // Not all that changed is known: what is ready is of no use.
             self.ready = Forest::default();
-            self.risen.clear();
+            self.cost_increased.clear();
         }
-        self.before_growth = self.risen.len();
+        self.before_growth = self.cost_increased.len();
         self.changed = false;
-        self.eased[1] = false;
+        self.cost_decreased[1] = false;
         self.updates = 0;
         true
     }
@@ -164,20 +167,21 @@ impl Detours {
         }
         let position = forest.known(spot)?.position;
         let first = cells.len();
-        self.cuts.set(forest, field, &self.risen, Cutting::Blocked);
+        self.cuts
+            .set(forest, field, &self.cost_increased, Cutting::Blocked);
         forest.detours_from(field, spot, &mut self.from_start);
         let so_far = forest.place(position).so_far;
         let (total, over) =
             forest.cheapest(self.cuts.forward(), self.cuts.to_goal(), &self.from_start)?;
         // Bounds are those of ways from the root.
         let least = forest.least().saturating_sub(so_far);
-        let least = if self.eased[0] { 0 } else { least };
+        let least = if self.cost_decreased[0] { 0 } else { least };
         let mut cost = self.lead(field, start, over, cells);
         let is_dearer = |cost: u32, total: u32| cost > total.saturating_sub(so_far);
         if cost.is_none_or(|cost| is_dearer(cost, total)) {
             // It leads over cells that became dearer: perhaps one that avoids those costs less.
             self.cuts
-                .set(&self.ready, field, &self.risen, Cutting::Dearer);
+                .set(&self.ready, field, &self.cost_increased, Cutting::Dearer);
             let forest = &self.ready;
             let cuts = (self.cuts.forward(), self.cuts.to_goal());
             if let Some((total, over)) = forest.cheapest(cuts.0, cuts.1, &self.from_start)

@@ -9,28 +9,28 @@
 //! together.
 
 use super::GoalField;
+use super::cost_increased::{item, parts};
 use super::node::{NO_WAY, Spot};
 use super::prices::{BLOCKED, is_blocked};
-use super::risen::{item, parts};
 
 impl GoalField {
     /// Work of about `expansions` expansions; true when more is left.
     pub(super) fn raise(&mut self, expansions: u64) -> bool {
         let mut left = expansions;
-        let eased = core::mem::take(&mut self.raise.eased);
-        if eased && self.raise.offered.is_some() {
+        let cost_decreased = core::mem::take(&mut self.raise.cost_decreased);
+        if cost_decreased && self.raise.offered.is_some() {
             self.suspect_all_lost();
         }
         while left > 0 {
             left -= 1;
             // What rises while bounds are found for the lost cells waits: those found are then too
             // low, but bounds all the same.
-            let risen = if self.raise.offered.is_none() {
-                self.raise.risen.pop()
+            let cost_increased = if self.raise.offered.is_none() {
+                self.raise.cost_increased.pop()
             } else {
                 None
             };
-            if let Some(spot) = risen {
+            if let Some(spot) = cost_increased {
                 self.suspect(spot);
                 for offset in self.offsets {
                     self.suspect(spot.wrapping_add(offset));

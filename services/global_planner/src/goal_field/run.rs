@@ -137,7 +137,7 @@ impl<Q: OpenList> Run<'_, Q> {
                 }
                 let key = node.so_far.saturating_add(left);
                 if key > self.open.least() {
-                    // Its key was beyond the span, or its bound has risen since.
+                    // Its key was beyond the span, or its bound has cost_increased since.
                     let most = self.open.least().saturating_add(self.span);
                     self.open.push(key.min(most), spot);
                     continue;
@@ -320,11 +320,16 @@ const fn weighted<const GUIDE: u8>(left: u32, quarters: u32) -> u32 {
 
 /// Lower bound of what is left from the cell at `xy`, of which the field says `left`.
 #[inline]
-fn bound<const GUIDE: u8>(left: u32, xy: (u32, u32), goal: (u32, u32), eased: &EasedBox) -> u32 {
+fn bound<const GUIDE: u8>(
+    left: u32,
+    xy: (u32, u32),
+    goal: (u32, u32),
+    cost_decreased: &EasedBox,
+) -> u32 {
     let straight = || octile(xy.0.abs_diff(goal.0), xy.1.abs_diff(goal.1));
     match GUIDE {
         FIELD | FIELD_WEIGHTED => left,
-        FIELD_AND_BOX => eased.bound(left, xy.0, xy.1).max(straight()),
+        FIELD_AND_BOX => cost_decreased.bound(left, xy.0, xy.1).max(straight()),
         _ => straight(),
     }
 }

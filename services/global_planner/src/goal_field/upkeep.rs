@@ -104,14 +104,14 @@ impl GoalField {
     /// Makes the field consistent where costs fell, by `limit` expansions at most; true when it is.
     /// Until then the box stays, which bounds what is not lowered yet.
     fn repair(&mut self, limit: u64) -> bool {
-        let mut eased = core::mem::take(&mut self.eased);
-        for spot in eased.drain(..) {
+        let mut cost_decreased = core::mem::take(&mut self.cost_decreased);
+        for spot in cost_decreased.drain(..) {
             self.lower(spot);
             for offset in self.offsets {
                 self.lower(spot.wrapping_add(offset));
             }
         }
-        self.eased = eased;
+        self.cost_decreased = cost_decreased;
         for _ in 0..limit {
             let Some(Reverse(item)) = self.lowered.pop() else {
                 self.eased_box = EasedBox::EMPTY;

@@ -118,7 +118,7 @@ pub(crate) struct Walk {
 
 /// How a walk goes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Gait {
+pub(crate) struct WalkRule {
     /// To which side it turns.
     pub rotate: Rotate,
     /// See [`WalkOptions::keep_heading`].
@@ -162,7 +162,7 @@ impl Walk {
         &mut self,
         field: &Field<'_>,
         target: Cell,
-        gait: Gait,
+        gait: WalkRule,
         stats: &mut PlanStats,
     ) -> Option<Cell> {
         let at = *self.cells.last()?;
@@ -237,7 +237,7 @@ impl Solver for Tn3n {
         meter: &mut Meter<'_>,
         cells: &mut Vec<Cell>,
     ) -> Result<(), PlanError> {
-        let gait = Gait {
+        let gait = WalkRule {
             rotate: self.options.rotate,
             keep_heading: self.options.keep_heading,
             memory: self.memory,

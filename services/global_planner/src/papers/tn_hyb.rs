@@ -13,7 +13,7 @@ use crate::papers::heuristic::Heuristic;
 use crate::papers::on_map::{NO_WAY, Solver};
 use crate::papers::regularise::Regions;
 use crate::papers::sight::{pull, sees};
-use crate::papers::tn_3n::{Gait, Memory, Rotate, Walk, WalkOptions};
+use crate::papers::tn_3n::{Memory, Rotate, Walk, WalkOptions, WalkRule};
 use crate::planner::PlanError;
 use crate::remarks::Fallback;
 use zeronav_msgs::Cell;
@@ -99,7 +99,7 @@ impl TnHyb {
         (rotate, fills): (Rotate, bool),
         meter: &mut Meter<'_>,
     ) -> Result<(), Failure> {
-        let gait = Gait {
+        let gait = WalkRule {
             rotate,
             keep_heading: self.options.keep_heading,
             memory: self.memory,

@@ -1,6 +1,6 @@
 //! Which critic decided against a faster motion, to explain it. Nothing is decided by it.
 
-use crate::rated::Terms;
+use crate::rollout_scores::Terms;
 use zeronav_msgs::command::RequestCause;
 
 /// The best motion of a speed.

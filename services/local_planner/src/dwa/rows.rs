@@ -4,8 +4,8 @@ use crate::dwa::rollout_grid::RolloutGrid;
 use crate::dwa::window::Window;
 use crate::lanes::data::{LANES_MAX, WIDTH, narrow};
 use crate::pilot::scene::Scene;
-use crate::rated::{Evaluate, Rated, Terms};
-use crate::record::{Record, Seen};
+use crate::record::{DrawnRollout, Record};
+use crate::rollout_scores::{Evaluate, ScoredRollouts, Terms};
 use zeronav_motion::{Twist, stop_angle_rad, stop_distance_m};
 use zeronav_msgs::rollouts::RolloutOutcome;
 
@@ -20,7 +20,7 @@ const STOPPED_MPS: f64 = 0.05;
 pub(crate) struct Rows {
     pub(crate) grid: RolloutGrid,
     /// The current row.
-    pub(crate) rated: Box<Rated>,
+    pub(crate) rated: Box<ScoredRollouts>,
     /// Steps of it in which static obstacles were looked for.
     followed: usize,
 }
@@ -79,7 +79,7 @@ impl Rows {
         evaluate.terms(
             self.grid.yaw_rates[lane],
             &rated.outcome(lane),
-            rated.badness[lane],
+            rated.collision_cost[lane],
         )
     }
 
@@ -106,7 +106,7 @@ impl Rows {
     }
 
     /// A rollout of the current row as the record takes it.
-    fn seen(&self, speed: usize, lane: usize, worth: f64) -> Seen {
+    fn seen(&self, speed: usize, lane: usize, worth: f64) -> DrawnRollout {
         let (hit, struck) = (self.grid.row.hit[lane], self.grid.row.struck[lane]);
         // Dynamic obstacles are looked for until the end, static ones no farther than followed.
         let (outcome, steps) = if struck < hit {
@@ -120,7 +120,7 @@ impl Rows {
             (RolloutOutcome::Costlier, self.followed)
         };
         let twist = (self.grid.speeds[speed], self.grid.yaw_rates[lane]);
-        Seen {
+        DrawnRollout {
             twist: (narrow(twist.0), narrow(twist.1)),
             cost: narrow(-worth),
             outcome: if self.rated.is_admissible(lane) {
@@ -169,7 +169,7 @@ fn steps_until(mark: f32, n: usize) -> usize {
 /// How bad it is to touch an obstacle: 0 when none is touched, 1 when at once, never less than a
 /// third, so that the robot gives way as soon as it sees it coming.
 #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
-fn badness(struck: usize, n: usize) -> f64 {
+fn collision_cost(struck: usize, n: usize) -> f64 {
     if struck >= n {
         0.0
     } else {
@@ -181,7 +181,13 @@ fn badness(struck: usize, n: usize) -> f64 {
 /// on which the robot can stop before static obstacles (`v^2 / 2a + v t_reaction + margin <= free arc`,
 /// on the spot the same with angles) and before what comes.
 #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
-fn settle(grid: &RolloutGrid, window: &Window<'_>, speed: usize, scored: usize, rated: &mut Rated) {
+fn settle(
+    grid: &RolloutGrid,
+    window: &Window<'_>,
+    speed: usize,
+    scored: usize,
+    rated: &mut ScoredRollouts,
+) {
     let (v, steps, row) = (grid.speeds[speed], grid.steps, &grid.row);
     let needed_m = stop_distance_m(window.robot, v, window.reaction_s);
     let stopped = steps_to(grid, speed, needed_m + window.stop_margin_m) as f32;
@@ -210,7 +216,7 @@ fn settle(grid: &RolloutGrid, window: &Window<'_>, speed: usize, scored: usize, 
     (rated.half_x, rated.half_y) = (row.x[scored / 2], row.y[scored / 2]);
     (rated.cos, rated.sin) = (grid.cos[scored], grid.sin[scored]);
     rated.space = row.space;
-    rated.badness.fill(0.0);
+    rated.collision_cost.fill(0.0);
     for lane in 0..grid.yaw_rates.len() {
         if row.hit[lane] <= scored as f32 {
             let end = steps_until(row.hit[lane], steps).saturating_sub(1);
@@ -220,7 +226,8 @@ fn settle(grid: &RolloutGrid, window: &Window<'_>, speed: usize, scored: usize, 
             (rated.cos[lane], rated.sin[lane]) = (grid.cos[end][lane], grid.sin[end][lane]);
         }
         if row.struck[lane].is_finite() {
-            rated.badness[lane] = badness(steps_until(row.struck[lane], steps), steps);
+            rated.collision_cost[lane] =
+                collision_cost(steps_until(row.struck[lane], steps), steps);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::batch::{Batch, LANES, Lanes};
 use super::critics::cycle::Cycle;
 use super::critics::moving::struck;
-use crate::record::{Record, Seen};
+use crate::record::{DrawnRollout, Record};
 use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// Tells the record of a judged batch.
@@ -33,11 +33,11 @@ pub(super) fn finalists(
             break;
         }
         let outcome = RolloutOutcome::NoStop;
-        record.offer(&Seen { outcome, ..seen }, place);
+        record.offer(&DrawnRollout { outcome, ..seen }, place);
     }
 }
 
-fn seen(batch: &Batch, struck: &Lanes, lane: usize, cost: f32) -> Seen {
+fn seen(batch: &Batch, struck: &Lanes, lane: usize, cost: f32) -> DrawnRollout {
     let end = batch.steps;
     let [hit, struck] = [batch.hit[lane], struck[lane]].map(|mark| first_step(mark, end));
     let outcome = if hit.min(struck) == end {
@@ -47,7 +47,7 @@ fn seen(batch: &Batch, struck: &Lanes, lane: usize, cost: f32) -> Seen {
     } else {
         RolloutOutcome::Collision
     };
-    Seen {
+    DrawnRollout {
         twist: (batch.v[0][lane], batch.w[0][lane]),
         cost,
         outcome,

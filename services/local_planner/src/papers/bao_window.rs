@@ -1,14 +1,14 @@
 //! `bao_dwa` on the robot: the window's samples against map and scan, towards a local goal.
 
 use super::bao_dwa::{self, SAMPLES_MAX, Sample};
-use super::drive::{steered, wish_or_slower};
+use super::drive::{output_or_slower, steered};
 use super::options::{BaoDwaConfig, Switch};
 use crate::dwa::options::DwaConfig;
 use crate::lanes::data::narrow;
 use crate::pilot::Pilot;
 use crate::pilot::perception::Tracks;
-use crate::pilot::scene::{Choose, Scene, Wish};
-use crate::record::{Record, Seen};
+use crate::pilot::scene::{Choose, ControlOutput, Scene};
+use crate::record::{DrawnRollout, Record};
 use crate::surroundings::LocalPose;
 use crate::turn;
 use nalgebra::{Point2, Vector2};
@@ -56,7 +56,7 @@ struct BaoWindow {
 }
 
 impl Choose for BaoWindow {
-    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> ControlOutput {
         let (situation, weights) = (scene.situation, self.own);
         let (robot, pose) = (situation.robot, situation.map_from_base);
         let distance_m = pose.distance_m(&situation.goal.pose);
@@ -113,14 +113,14 @@ impl Choose for BaoWindow {
         match bao_dwa::choose(&self.admissible, &weights, &mut self.scores) {
             Some(twist) if twist.v_mps > STOPPED_MPS || !from.is_stopped() => {
                 let slower = bao_dwa::decisive(&self.admissible, &weights, &mut self.scores);
-                wish_or_slower(scene, twist, slower)
+                output_or_slower(scene, twist, slower)
             }
             _ if from.v_mps < STOPPED_MPS => {
                 scene.memory.turns = true;
                 let error_rad = goal_in_base.y.atan2(goal_in_base.x);
                 scene.steer(Twist::new(0.0, turn::rate_radps(robot, error_rad)))
             }
-            _ => Wish::Rest(Validity::Blocked),
+            _ => ControlOutput::Rest(Validity::Blocked),
         }
     }
 }
@@ -171,7 +171,7 @@ fn tell(
     (twist, ahead, is_admissible): (Twist, &Ahead, bool),
 ) {
     let (outcome, steps) = ahead.blocked.unwrap_or((RolloutOutcome::Costlier, STEPS));
-    let seen = Seen {
+    let seen = DrawnRollout {
         twist: (narrow(twist.v_mps), narrow(twist.w_radps)),
         cost: 0.0,
         outcome: if is_admissible {

@@ -1,4 +1,4 @@
-//! From the direction of a law to a wish of the pilot.
+//! From the direction of a law to a output of the pilot.
 //!
 //! As the paper notes define it: `v = v_max max(0, cos err)`, `w = clamp(2 err)`. `yield`: the speed
 //! is scaled by `min(1, TTC / 2 s)`. The pilot brings the robot to the goal's pose, keeps to the
@@ -11,7 +11,7 @@ use crate::dynamic_obstacles::DynamicObstacles;
 use crate::pilot::Pilot;
 use crate::pilot::limit::Limit;
 use crate::pilot::perception::Tracks;
-use crate::pilot::scene::{COMFORT_SHARE, Choose, Scene, Wish};
+use crate::pilot::scene::{COMFORT_SHARE, Choose, ControlOutput, Scene};
 use crate::situation::Situation;
 use nalgebra::{Point2, Vector2};
 use zeronav_motion::Twist;
@@ -34,7 +34,7 @@ const RANGE_M: f64 = 3.0;
 /// How far from the robot a body is that keeps it from its goal, at most. [m]
 const AGAINST_M: f64 = 1.5;
 
-/// Shares of a wish's speed that are tried when it is not free.
+/// Shares of a output's speed that are tried when it is not free.
 const SLOWER: [f64; 2] = [0.5, 0.2];
 
 /// A controller that goes where `law` says. `literal` = obstacles are points.
@@ -63,7 +63,7 @@ struct Along {
 
 /// What map and scan say about where the robot's centre may be.
 #[derive(Debug)]
-struct Seen<'a> {
+struct Obstacles<'a> {
     map: Option<MapView<'a>>,
     hits: &'a [Point2<f64>],
     inscribed_m: f64,
@@ -106,7 +106,7 @@ fn bodies_on(map: &MapView<'_>, at: Point2<f64>, reach: f64, bodies: &mut Vec<Bo
     }
 }
 
-impl Ground for Seen<'_> {
+impl Ground for Obstacles<'_> {
     fn is_free(&self, from: Point2<f64>, to: Point2<f64>) -> bool {
         let along = to - from;
         let near = |hit: &Point2<f64>| {
@@ -145,7 +145,7 @@ fn is_free_on(map: &MapView<'_>, from: Point2<f64>, to: Point2<f64>) -> bool {
 }
 
 impl Choose for Along {
-    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish {
+    fn choose(&mut self, scene: &mut Scene<'_>) -> ControlOutput {
         let situation = scene.situation;
         let (robot, pose) = (situation.robot, situation.map_from_base);
         let footprint = &scene.seen.surroundings.footprint;
@@ -156,7 +156,7 @@ impl Choose for Along {
         self.hits.clear();
         let hits = situation.scan_points_in_base.iter();
         self.hits.extend(hits.map(|hit| pose.transform(*hit)));
-        let ground = Seen {
+        let ground = Obstacles {
             map: situation.map,
             hits: &self.hits,
             inscribed_m,
@@ -174,19 +174,19 @@ impl Choose for Along {
             ground: Some(&ground),
         });
         let Push::Along(force) = push else {
-            return Wish::Rest(Validity::Blocked);
+            return ControlOutput::Rest(Validity::Blocked);
         };
         if force.norm() < 1.0e-9 {
-            return Wish::Rest(Validity::Blocked);
+            return ControlOutput::Rest(Validity::Blocked);
         }
         let error_rad = wrap_angle(force.y.atan2(force.x) - pose.yaw_rad);
         let velocity = (velocity.x, velocity.y);
         let contact_s = scene.seen.dynamic.contact_s(velocity, circumscribed_m);
-        let wish = steered(scene, error_rad, (contact_s / YIELD_S).min(1.0));
+        let output = steered(scene, error_rad, (contact_s / YIELD_S).min(1.0));
         if let Some(remark) = self.law.remark() {
             scene.memory.limit = remarked(scene.memory.limit, remark);
         }
-        wish
+        output
     }
 }
 
@@ -204,9 +204,9 @@ fn remarked(limit: Limit, remark: RequestCause) -> Limit {
     }
 }
 
-/// The wish for a direction `error_rad` to the left of the robot's, at this share of the speed that
+/// The output for a direction `error_rad` to the left of the robot's, at this share of the speed that
 /// it allows.
-pub(super) fn steered(scene: &mut Scene<'_>, error_rad: f64, yielding: f64) -> Wish {
+pub(super) fn steered(scene: &mut Scene<'_>, error_rad: f64, yielding: f64) -> ControlOutput {
     let facing = error_rad.cos().max(0.0);
     let v_mps = scene.top_speed_mps() * facing * yielding;
     let w_radps_max = scene.situation.robot.w_radps_max;
@@ -216,12 +216,16 @@ pub(super) fn steered(scene: &mut Scene<'_>, error_rad: f64, yielding: f64) -> W
     } else {
         RequestCause::PotentialField
     };
-    wish_or_slower(scene, Twist::new(v_mps, w_radps), slower)
+    output_or_slower(scene, Twist::new(v_mps, w_radps), slower)
 }
 
-/// The wish for a twist no faster than a stop at the goal allows; the same more slowly when it is
+/// The output for a twist no faster than a stop at the goal allows; the same more slowly when it is
 /// not free. `slower` explains a twist that is slower than the robot may be.
-pub(super) fn wish_or_slower(scene: &mut Scene<'_>, twist: Twist, slower: RequestCause) -> Wish {
+pub(super) fn output_or_slower(
+    scene: &mut Scene<'_>,
+    twist: Twist,
+    slower: RequestCause,
+) -> ControlOutput {
     let situation = scene.situation;
     let distance_m = situation.map_from_base.distance_m(&situation.goal.pose);
     let decel_mps2 = COMFORT_SHARE * situation.robot.brake_mps2;

@@ -20,7 +20,7 @@ pub enum FitError {
     #[error("a fit needs two different points")]
     TooFew,
     /// `x` does not grow or does not fall all along, so `y` is no function of it.
-    #[error("y(x) needs x to grow or to fall all along")]
+    #[error("x must be monotonic")]
     NotMonotone,
 }
 

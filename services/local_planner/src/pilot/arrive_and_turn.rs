@@ -1,7 +1,7 @@
 //! Manoeuvres of the pilot's own: arriving at the goal and turning on the spot.
 
 use super::limit::Limit;
-use super::scene::{COMFORT_SHARE, Mode, Scene, Wish};
+use super::scene::{COMFORT_SHARE, ControlOutput, Mode, Scene};
 use crate::dynamic_obstacles::NEAR_M;
 use crate::turn;
 use zeronav_motion::{Twist, reachable, towards_rest};
@@ -27,7 +27,7 @@ const AIM: f64 = 0.7;
 
 impl Scene<'_> {
     /// Within the goal's tolerance: slow down to a stop, then turn to the goal's yaw.
-    pub(super) fn arrive(&mut self) -> Option<Wish> {
+    pub(super) fn arrive(&mut self) -> Option<ControlOutput> {
         let (situation, from) = (self.situation, self.from);
         let goal = situation.goal;
         let distance_m = situation.map_from_base.distance_m(&goal.pose);
@@ -48,13 +48,13 @@ impl Scene<'_> {
         if from.v_mps.abs() >= 0.02 {
             // Towards rest in good order, on the arc of now.
             let slower = towards_rest(situation.robot, from, COMFORT_SHARE * situation.period_s);
-            return Some(Wish::Towards(slower));
+            return Some(ControlOutput::Towards(slower));
         }
         let error_rad = wrap_angle(goal.pose.yaw_rad - situation.map_from_base.yaw_rad);
         let any_yaw = goal.yaw_tolerance_rad >= core::f64::consts::PI;
         let enough = if turning { 0.3 } else { AIM } * goal.yaw_tolerance_rad;
         if any_yaw || error_rad.abs() <= enough {
-            return Some(Wish::Rest(Validity::AtGoal));
+            return Some(ControlOutput::Rest(Validity::AtGoal));
         }
         let error_rad = turn::committed_rad(error_rad, sign(from.w_radps));
         self.memory.limit = Limit::of(RequestCause::GoalYaw);
@@ -62,7 +62,7 @@ impl Scene<'_> {
     }
 
     /// Align, then go: a slow robot that faces away from its local goal turns on the spot.
-    pub(super) fn turn(&mut self, error_rad: f64, stuck: bool) -> Option<Wish> {
+    pub(super) fn turn(&mut self, error_rad: f64, stuck: bool) -> Option<ControlOutput> {
         let (config, from) = (self.config, self.from);
         let (direction, limit_rad) = match self.memory.mode {
             Mode::Turn(direction) => (direction, TURN_UNTIL_RAD),
@@ -82,15 +82,15 @@ impl Scene<'_> {
             && self.memory.astray_s < PATIENCE_S
         {
             self.memory.limit = Limit::of(RequestCause::TurnWait);
-            return Some(Wish::Towards(Twist::REST));
+            return Some(ControlOutput::Towards(Twist::REST));
         }
         let error_rad = turn::committed_rad(error_rad, direction);
         self.memory.limit = Limit::of(RequestCause::Turn);
         self.memory.mode = Mode::Turn(sign(error_rad));
         match self.turn_by(error_rad) {
-            Wish::Towards(twist) => Some(Wish::Towards(twist)),
+            ControlOutput::Towards(twist) => Some(ControlOutput::Towards(twist)),
             // Neither way round is free: perhaps driving on is.
-            Wish::Rest(_) => {
+            ControlOutput::Rest(_) => {
                 self.memory.mode = Mode::Follow;
                 None
             }
@@ -99,7 +99,7 @@ impl Scene<'_> {
 
     /// A turn by `error_rad`, the other way round when that one is not free. A turn that is not
     /// free to its end is not begun, or the robot would rock between two walls.
-    fn turn_by(&mut self, error_rad: f64) -> Wish {
+    fn turn_by(&mut self, error_rad: f64) -> ControlOutput {
         let (situation, from) = (self.situation, self.from);
         self.memory.steered_radps = 0.0;
         let robot = situation.robot;
@@ -113,10 +113,10 @@ impl Scene<'_> {
                 && (slowing || self.seen.stop_arc_m(self.config, robot, next).is_some());
             if free {
                 self.memory.turns = true;
-                return Wish::Towards(wanted);
+                return ControlOutput::Towards(wanted);
             }
         }
-        Wish::Rest(Validity::Blocked)
+        ControlOutput::Rest(Validity::Blocked)
     }
 }
 

@@ -1,4 +1,4 @@
-//! The seam between the pilot and its choosers: from a scene to a wish.
+//! The seam between the pilot and its choosers: from a scene to a output.
 
 use super::limit::Limit;
 use super::perception::{Perception, horizon_s};
@@ -6,8 +6,8 @@ use crate::dwa::options::{DwaConfig, DwaWeights};
 use crate::dwa::window::{Range, Window};
 use crate::lanes::data::LANES_MAX;
 use crate::progress::Place;
-use crate::rated::Worth;
 use crate::record::Record;
+use crate::rollout_scores::RolloutScore;
 use crate::situation::Situation;
 use core::fmt;
 use nalgebra::{Point2, Vector2};
@@ -33,8 +33,8 @@ const FINAL_M: f64 = 0.5;
 
 /// Chooses where to go next.
 pub(crate) trait Choose: fmt::Debug {
-    /// The wish of this period. Not called while the robot arrives or has no path.
-    fn choose(&mut self, scene: &mut Scene<'_>) -> Wish;
+    /// The output of this period. Not called while the robot arrives or has no path.
+    fn choose(&mut self, scene: &mut Scene<'_>) -> ControlOutput;
 
     /// The robot did something else than the last choice: plans that build on it are void.
     fn forget(&mut self) {}
@@ -42,7 +42,7 @@ pub(crate) trait Choose: fmt::Debug {
 
 /// The target of a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Wish {
+pub(crate) enum ControlOutput {
     /// Go on towards this twist.
     Towards(Twist),
     /// Ramp to rest, and why.
@@ -75,11 +75,11 @@ pub(crate) struct Memory {
     pub(crate) astray_s: f64,
     /// Of this period: the best twist of each speed with its worth, best first.
     pub(crate) reserve: Vec<(f64, Twist)>,
-    /// Of this period: the wish begins a sequence that a search in time has found free of what moves.
+    /// Of this period: the output begins a sequence that a search in time has found free of what moves.
     pub(crate) searched: bool,
     /// Of this period: motions looked at.
     pub(crate) rollouts: u32,
-    /// Of this period: the wish is a turn on the spot.
+    /// Of this period: the output is a turn on the spot.
     pub(crate) turns: bool,
     /// Of this period: what limits the speed, to explain it.
     pub(crate) limit: Limit,
@@ -155,15 +155,15 @@ impl<'a> Scene<'a> {
             .find_cost_to_go(self.config, self.situation, &self.place, puts_off);
     }
 
-    /// Where the path leads, or the wish to turn towards it on the spot first.
-    pub(crate) fn heading(&mut self) -> Result<Heading, Wish> {
+    /// Where the path leads, or the output to turn towards it on the spot first.
+    pub(crate) fn heading(&mut self) -> Result<Heading, ControlOutput> {
         let to_goal = self.to_local_goal();
         let error_rad = to_goal.y.atan2(to_goal.x);
         // Too near a point to have a direction.
         let meaningful = to_goal.norm() > 0.05;
         let stuck = self.memory.blocked_s > BLOCKED_S;
-        if meaningful && let Some(wish) = self.turn(error_rad, stuck) {
-            return Err(wish);
+        if meaningful && let Some(output) = self.turn(error_rad, stuck) {
+            return Err(output);
         }
         let astray = meaningful && error_rad.abs() > self.config.turn_above_rad;
         self.memory.limit = self.fastest(astray);
@@ -197,15 +197,17 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The wish to go on towards a chosen twist.
-    pub(crate) fn steer(&mut self, twist: Twist) -> Wish {
+    /// The output to go on towards a chosen twist.
+    pub(crate) fn steer(&mut self, twist: Twist) -> ControlOutput {
         self.memory.steered_radps = twist.w_radps;
-        Wish::Towards(twist)
+        ControlOutput::Towards(twist)
     }
 
     /// The same for a choice; without one, a ramp to rest.
-    pub(crate) fn steer_or_rest(&mut self, choice: Option<Twist>) -> Wish {
-        choice.map_or(Wish::Rest(Validity::Blocked), |twist| self.steer(twist))
+    pub(crate) fn steer_or_rest(&mut self, choice: Option<Twist>) -> ControlOutput {
+        choice.map_or(ControlOutput::Rest(Validity::Blocked), |twist| {
+            self.steer(twist)
+        })
     }
 
     /// The local goal in `base`. [m]
@@ -290,11 +292,11 @@ impl<'a> Scene<'a> {
     }
 
     /// What a rollout at a speed is worth besides what it leads to.
-    pub(crate) fn worth_at(&self, v_mps: f64) -> Worth {
+    pub(crate) fn worth_at(&self, v_mps: f64) -> RolloutScore {
         let (config, robot) = (self.config, self.situation.robot);
         // A goal beside a wall must be reached: nearness costs less and less on the last metre.
         let clearance = config.weights.clearance * self.place.remaining_m.min(1.0);
-        Worth {
+        RolloutScore {
             weights: DwaWeights {
                 clearance,
                 ..config.weights

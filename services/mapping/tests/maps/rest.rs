@@ -87,7 +87,7 @@ impl Scene {
             map_from_frame: here,
             map_from_laser: here,
             run_ns: self.run_ns(),
-            yaw_doubt: 0.0,
+            yaw_variance: 0.0,
         };
         let is_wall = |at: Point2<f64>| (at.y - WALL_Y_M).abs() < 0.1;
         self.tracker.follow(&view, is_wall);

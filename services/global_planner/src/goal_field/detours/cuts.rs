@@ -34,17 +34,17 @@ impl Cutting {
 }
 
 impl Cuts {
-    /// Becomes what the cells of `risen` cut off, which may be named more than once.
+    /// Becomes what the cells of `cost_increased` cut off, which may be named more than once.
     pub(super) fn set(
         &mut self,
         forest: &Forest,
         field: &GoalField,
-        risen: &[Spot],
+        cost_increased: &[Spot],
         cutting: Cutting,
     ) {
         self.forward.clear();
         self.to_goal.clear();
-        for spot in risen {
+        for spot in cost_increased {
             let (own, around) = field.prices.around(*spot);
             // Its neighbours on both ways are blocked, too, and cut it off themselves.
             let is_inside = around == ALL_BLOCKED && *spot != forest.root() && *spot != field.goal;

@@ -39,9 +39,12 @@ fn holds(intervals: &[positions::Interval], position: u32) -> bool {
 /// Holds the cuts against both ways of each cell; gives how many are cut.
 fn check(field: &GoalField, detours: &mut Detours, cutting: Cutting) -> usize {
     let Detours {
-        cuts, ready, risen, ..
+        cuts,
+        ready,
+        cost_increased,
+        ..
     } = detours;
-    cuts.set(ready, field, risen, cutting);
+    cuts.set(ready, field, cost_increased, cutting);
     let is_free = |spot: Spot| {
         let (then, now) = (ready.known(spot).unwrap().price, field.prices.at(spot));
         now != BLOCKED && (cutting == Cutting::Blocked || now <= then)

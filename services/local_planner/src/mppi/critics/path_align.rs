@@ -2,7 +2,7 @@
 
 use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
-use crate::rated::cost_beside;
+use crate::rollout_scores::cost_beside;
 
 #[allow(clippy::cast_precision_loss, reason = "a handful of stations")]
 pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {

@@ -84,7 +84,7 @@ pub enum Fact {
 
 /// The totals, and what is held back from them.
 #[derive(Debug, Default)]
-pub struct Seen {
+pub struct RunTotals {
     /// What mapping said against what was so.
     pub comparison: TruthComparison,
     /// After how long the wheels obey.
@@ -107,7 +107,7 @@ pub struct Seen {
     end_tick: Option<u64>,
 }
 
-impl Seen {
+impl RunTotals {
     /// Takes in a fact about a tick and its run time. [ns]
     pub fn hear(&mut self, tick: u64, run_ns: u64, fact: Fact) {
         if self.end_tick.is_some() {
@@ -218,16 +218,16 @@ mod tests {
         Fact::Truth(truth, Vec::new())
     }
 
-    fn hear(seen: &mut Seen, tick: u32, fact: Fact) {
+    fn hear(totals: &mut RunTotals, tick: u32, fact: Fact) {
         let tick = u64::from(tick);
-        seen.hear(tick, tick * TICK_NS, fact);
+        totals.hear(tick, tick * TICK_NS, fact);
     }
 
     /// The totals of a run that ends at tick 299, of whose end launch hears `late` ticks later.
-    fn run(late: u32) -> Seen {
-        let mut seen = Seen::default();
+    fn run(late: u32) -> RunTotals {
+        let mut totals = RunTotals::default();
         for tick in 1..=299 + late {
-            hear(&mut seen, tick, truth(tick));
+            hear(&mut totals, tick, truth(tick));
             let why = if tick % 2 == 1 {
                 Intervention::Slowed
             } else {
@@ -235,20 +235,20 @@ mod tests {
             };
             // The last commands are heard after the end.
             if tick + 3 < 299 + late {
-                hear(&mut seen, tick, Fact::Command(Some(why)));
+                hear(&mut totals, tick, Fact::Command(Some(why)));
             }
         }
-        seen.end_at(299);
+        totals.end_at(299);
         for tick in 296 + late..=299 + late {
             let why = if tick % 2 == 1 {
                 Intervention::Slowed
             } else {
                 Intervention::None
             };
-            hear(&mut seen, tick, Fact::Command(Some(why)));
+            hear(&mut totals, tick, Fact::Command(Some(why)));
         }
-        hear(&mut seen, 300 + late, truth(300 + late));
-        seen
+        hear(&mut totals, 300 + late, truth(300 + late));
+        totals
     }
 
     #[test]
@@ -262,31 +262,31 @@ mod tests {
         // Ticks 1, 3, ... 297: what is said at the last tick does not count.
         assert_eq!(exact.motion.interventions.len(), 149);
         for late in [1, 17, 100] {
-            let seen = run(late);
-            assert_eq!(seen.truth, exact.truth, "{late} ticks late");
-            assert_eq!(seen.track_m, exact.track_m);
-            assert_eq!(seen.motion.moments, exact.motion.moments);
-            assert_eq!(seen.motion.contacts, exact.motion.contacts);
-            assert_eq!(seen.motion.interventions, exact.motion.interventions);
-            assert_eq!(seen.clearance_m_min, exact.clearance_m_min);
+            let totals = run(late);
+            assert_eq!(totals.truth, exact.truth, "{late} ticks late");
+            assert_eq!(totals.track_m, exact.track_m);
+            assert_eq!(totals.motion.moments, exact.motion.moments);
+            assert_eq!(totals.motion.contacts, exact.motion.contacts);
+            assert_eq!(totals.motion.interventions, exact.motion.interventions);
+            assert_eq!(totals.clearance_m_min, exact.clearance_m_min);
         }
     }
 
     #[test]
     fn the_idle_output_of_the_guard_is_no_intervention() {
-        let mut seen = Seen::default();
-        hear(&mut seen, 0, Fact::Command(Some(Intervention::Refused)));
-        hear(&mut seen, 1, Fact::Command(Some(Intervention::None)));
-        seen.end_at(9);
-        assert_eq!(seen.motion.interventions, []);
+        let mut totals = RunTotals::default();
+        hear(&mut totals, 0, Fact::Command(Some(Intervention::Refused)));
+        hear(&mut totals, 1, Fact::Command(Some(Intervention::None)));
+        totals.end_at(9);
+        assert_eq!(totals.motion.interventions, []);
     }
 
     #[test]
     fn where_nothing_is_near_there_is_no_clearance() {
-        let mut seen = Seen::default();
-        hear(&mut seen, 1, truth(1));
-        hear(&mut seen, 10, truth(10));
-        seen.end_at(9);
-        assert_eq!(seen.clearance_m_min, None);
+        let mut totals = RunTotals::default();
+        hear(&mut totals, 1, truth(1));
+        hear(&mut totals, 10, truth(10));
+        totals.end_at(9);
+        assert_eq!(totals.clearance_m_min, None);
     }
 }

@@ -100,7 +100,7 @@ pub(crate) struct Course<'a> {
 
 /// The trials of one drive.
 #[derive(Debug)]
-pub(crate) struct Shuttle<'a> {
+pub(crate) struct TrialRunner<'a> {
     course: Course<'a>,
     index: usize,
     shape: &'a Shape,
@@ -118,7 +118,7 @@ pub(crate) struct Shuttle<'a> {
     missed: u64,
 }
 
-impl<'a> Shuttle<'a> {
+impl<'a> TrialRunner<'a> {
     /// `wanted` trials, their phases drawn from `seed`; `None` without such an obstacle.
     #[must_use]
     pub(crate) fn new(course: Course<'a>, wanted: usize, seed: u64) -> Option<Self> {

@@ -38,7 +38,7 @@ struct Watched {
 
 /// See the module's description.
 #[derive(Debug, Default)]
-pub struct Aside {
+pub struct ShadowAnswers {
     ranges: VecDeque<Range>,
     watched: Vec<Watched>,
     /// Newest tick that the robot has begun.
@@ -49,7 +49,7 @@ pub struct Aside {
     command_gap_ticks: u64,
 }
 
-impl Aside {
+impl ShadowAnswers {
     /// From `from_tick` on the answers of this process do not count.
     pub fn begin(&mut self, role: Role, epoch: u32, from_tick: u64) {
         if self.ranges.len() == RANGES_MAX {
@@ -186,9 +186,9 @@ mod tests {
 
     #[test]
     fn answers_of_ticks_that_the_robot_has_not_begun_do_not_count() {
-        let (role, mut aside) = (Role::CollisionGuard, Aside::default());
+        let (role, mut aside) = (Role::CollisionGuard, ShadowAnswers::default());
         aside.watch(role, &[1, 2]);
-        let answer = |aside: &mut Aside, epoch, tick| {
+        let answer = |aside: &mut ShadowAnswers, epoch, tick| {
             aside.note(&Span {
                 role: role.code(),
                 kind: SpanKind::Answer.code(),
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn answers_count_for_the_ticks_at_which_their_process_is_obeyed() {
-        let (role, mut aside) = (Role::LocalPlanner, Aside::default());
+        let (role, mut aside) = (Role::LocalPlanner, ShadowAnswers::default());
         // Process 2 is warm, is obeyed from tick 10 on, and no longer from tick 20 on.
         aside.begin(role, 2, 0);
         aside.end(role, 2, 10);

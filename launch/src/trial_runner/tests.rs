@@ -39,7 +39,7 @@ fn spec() -> TrialsSpec {
     }
 }
 
-fn shuttle<'a>(world: &'a World, spec: &'a TrialsSpec) -> Shuttle<'a> {
+fn trial_runner<'a>(world: &'a World, spec: &'a TrialsSpec) -> TrialRunner<'a> {
     let course = Course {
         spec,
         world,
@@ -47,25 +47,25 @@ fn shuttle<'a>(world: &'a World, spec: &'a TrialsSpec) -> Shuttle<'a> {
         scan_period_ns: PERIOD_NS,
         deadline_ns: 5_000_000_000,
     };
-    Shuttle::new(course, 2, 7).expect("an obstacle of that name")
+    TrialRunner::new(course, 2, 7).expect("an obstacle of that name")
 }
 
 #[test]
 fn the_obstacle_is_put_before_the_robot_on_the_line_and_nowhere_else() {
     let (world, spec) = (world(), spec());
-    let mut shuttle = shuttle(&world, &spec);
-    let at = |shuttle: &Shuttle<'_>, x_m, y_m| {
-        let there = shuttle.place_ahead(Point2::new(x_m, y_m));
+    let mut trial_runner = trial_runner(&world, &spec);
+    let at = |trial_runner: &TrialRunner<'_>, x_m, y_m| {
+        let there = trial_runner.place_ahead(Point2::new(x_m, y_m));
         there.map(|pose| (pose.x_m, pose.y_m, pose.yaw_rad))
     };
-    assert_eq!(at(&shuttle, 6.0, 2.3), Some((9.0, 2.0, 0.25)));
-    assert_eq!(at(&shuttle, 2.0, 2.0), Some((5.0, 2.0, 0.25)));
-    assert_eq!(at(&shuttle, 1.9, 2.0), None, "before the line");
-    assert_eq!(at(&shuttle, 12.1, 2.0), None, "behind the line");
-    assert_eq!(at(&shuttle, 6.0, 2.7), None, "beside the line");
-    shuttle.turn();
-    assert_eq!(at(&shuttle, 14.0, 2.0), Some((11.0, 2.0, 0.25)));
-    assert_eq!(at(&shuttle, 7.9, 2.0), None);
+    assert_eq!(at(&trial_runner, 6.0, 2.3), Some((9.0, 2.0, 0.25)));
+    assert_eq!(at(&trial_runner, 2.0, 2.0), Some((5.0, 2.0, 0.25)));
+    assert_eq!(at(&trial_runner, 1.9, 2.0), None, "before the line");
+    assert_eq!(at(&trial_runner, 12.1, 2.0), None, "behind the line");
+    assert_eq!(at(&trial_runner, 6.0, 2.7), None, "beside the line");
+    trial_runner.turn();
+    assert_eq!(at(&trial_runner, 14.0, 2.0), Some((11.0, 2.0, 0.25)));
+    assert_eq!(at(&trial_runner, 7.9, 2.0), None);
 }
 
 /// Every tile of a free map.
@@ -110,18 +110,22 @@ fn a_trial_waits_for_the_path_and_its_phase_is_drawn_from_a_whole_period() {
     let run_ns = 1_000_000_000;
     let mut phases = Vec::new();
     for _ in 0..64 {
-        let mut shuttle = shuttle(&world, &spec);
-        shuttle.random = Pcg64Mcg::seed_from_u64(phases.len() as u64);
+        let mut trial_runner = trial_runner(&world, &spec);
+        trial_runner.random = Pcg64Mcg::seed_from_u64(phases.len() as u64);
         collector.records.paths.clear();
-        assert_eq!(shuttle.look(&mut collector, run_ns), Step::Wait, "no path");
+        assert_eq!(
+            trial_runner.look(&mut collector, run_ns),
+            Step::Wait,
+            "no path"
+        );
         collector.records.paths.push(path(3.9));
         assert_eq!(
-            shuttle.look(&mut collector, run_ns),
+            trial_runner.look(&mut collector, run_ns),
             Step::Wait,
             "a path around it"
         );
         collector.records.paths.push(path(2.0));
-        let Step::Place(placement) = shuttle.look(&mut collector, run_ns) else {
+        let Step::Place(placement) = trial_runner.look(&mut collector, run_ns) else {
             panic!("nothing was placed");
         };
         assert_eq!(placement.until_run_ns, 0);
@@ -129,14 +133,14 @@ fn a_trial_waits_for_the_path_and_its_phase_is_drawn_from_a_whole_period() {
         // Nothing is seen of it: after the deadline it is taken away again, and not counted.
         let late_ns = placement.from_run_ns + 5_000_000_001;
         assert!(matches!(
-            shuttle.look(&mut collector, late_ns),
+            trial_runner.look(&mut collector, late_ns),
             Step::Place(ended) if ended.until_run_ns == late_ns
         ));
         assert_eq!(
-            shuttle.look(&mut collector, late_ns + SETTLE_NS),
+            trial_runner.look(&mut collector, late_ns + SETTLE_NS),
             Step::Wait
         );
-        assert_eq!((shuttle.done(), shuttle.missed), (0, 1));
+        assert_eq!((trial_runner.done(), trial_runner.missed), (0, 1));
     }
     assert!(phases.iter().all(|phase| *phase < PERIOD_NS));
     let (early, late) = (

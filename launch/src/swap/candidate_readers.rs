@@ -1,4 +1,4 @@
-//! Hears what both processes of a seat answer.
+//! Reads what both processes of a seat answer.
 
 use super::scores::{Answer, Scores};
 use zeronav_msgs::header::Id;
@@ -15,9 +15,9 @@ use zeronav_supervise::stack::Stack;
 /// yet.
 const BLOCKED_PATHS_MAX: u32 = 3;
 
-/// Hears the process in office (0) and the newcomer (1).
+/// Hears the incumbent (0) and the newcomer (1).
 #[derive(Debug)]
-pub(super) struct Ears {
+pub(super) struct CandidateReaders {
     rosters: [Roster; 2],
     topics: Topics,
     /// Paths of the newcomer in a row that lead through an obstacle.
@@ -29,12 +29,12 @@ enum Topics {
     Paths([Stream<PlanPath>; 2]),
     Requests([Stream<ControlRequest>; 2]),
     Commands([Stream<RobotCommand>; 2]),
-    Maps(Box<[MapEars; 2]>),
+    Maps(Box<[MapReaders; 2]>),
 }
 
 /// One process's map.
 #[derive(Debug)]
-struct MapEars {
+struct MapReaders {
     updates: Stream<MapUpdate>,
     keyframe: Latest<MapKeyframe>,
     replica: MapReplica,
@@ -54,7 +54,7 @@ pub(super) fn roster_of(role: Role, epoch: u32) -> Roster {
     }
 }
 
-impl Ears {
+impl CandidateReaders {
     /// Opens the topics of the role's answers.
     ///
     /// # Errors
@@ -63,15 +63,15 @@ impl Ears {
         let peer = stack.peer()?;
         let topics = match role {
             Role::Mapping => {
-                let ears = || {
-                    Ok::<_, StartError>(MapEars {
+                let candidate_readers = || {
+                    Ok::<_, StartError>(MapReaders {
                         updates: peer.stream()?,
                         keyframe: peer.latest()?,
                         replica: MapReplica::new(),
                         scan: 0,
                     })
                 };
-                Topics::Maps(Box::new([ears()?, ears()?]))
+                Topics::Maps(Box::new([candidate_readers()?, candidate_readers()?]))
             }
             Role::GlobalPlanner => Topics::Paths([peer.stream()?, peer.stream()?]),
             Role::LocalPlanner => Topics::Requests([peer.stream()?, peer.stream()?]),
@@ -88,7 +88,7 @@ impl Ears {
         })
     }
 
-    /// The process in office has this epoch now: it may have been restarted.
+    /// The incumbent has this epoch now: it may have been restarted.
     pub(super) fn office_is(&mut self, epoch: u32) {
         if let Some(seat) = self.rosters[0].seats.first_mut() {
             seat.epoch = epoch;
@@ -134,20 +134,22 @@ impl Ears {
                     Answer::of_command(view.meta)
                 });
             }
-            Topics::Maps(ears) => return hear_maps(ears, rosters, from_tick, scores),
+            Topics::Maps(candidate_readers) => {
+                return hear_maps(candidate_readers, rosters, from_tick, scores);
+            }
         }
         false
     }
 
     /// Messages of the newcomer that were rejected. A message whose header cannot be read has no
-    /// author; it counts, as the process in office was trusted before.
+    /// author; it counts, as the incumbent was trusted before.
     pub(super) fn rejected(&self) -> u64 {
         let newcomer = self.rosters[1].seats.first().map_or(0, |seat| seat.epoch);
         match &self.topics {
             Topics::Paths([_, stream]) => rejected(stream, newcomer),
             Topics::Requests([_, stream]) => rejected(stream, newcomer),
             Topics::Commands([_, stream]) => rejected(stream, newcomer),
-            Topics::Maps(ears) => rejected(&ears[1].updates, newcomer),
+            Topics::Maps(candidate_readers) => rejected(&candidate_readers[1].updates, newcomer),
         }
     }
 
@@ -179,22 +181,22 @@ fn hear<T: Topic>(
 }
 
 fn hear_maps(
-    ears: &mut [MapEars; 2],
+    candidate_readers: &mut [MapReaders; 2],
     rosters: &[Roster; 2],
     from_tick: u64,
     scores: &mut Scores,
 ) -> bool {
     let mut is_missing = false;
     // The newer of two revisions waits until the other process has made its own.
-    let order = if ears[0].scan > ears[1].scan {
+    let order = if candidate_readers[0].scan > candidate_readers[1].scan {
         [1, 0]
     } else {
         [0, 1]
     };
     for which in order {
-        let scan_of_other = ears[1 - which].scan;
+        let scan_of_other = candidate_readers[1 - which].scan;
         loop {
-            let (own, roster) = (&mut ears[which], &rosters[which]);
+            let (own, roster) = (&mut candidate_readers[which], &rosters[which]);
             if own.keyframe.poll(roster)
                 && let Some(view) = own.keyframe.get()
             {
@@ -219,20 +221,21 @@ fn hear_maps(
             };
             own.replica.take_changed();
             if is_whole && tick >= from_tick.max(1) && own.scan == scan_of_other {
-                let [office, newcomer] = &*ears;
+                let [office, newcomer] = &*candidate_readers;
                 if let (Some(one), Some(other)) = (whole(office), whole(newcomer)) {
                     scores.maps(&one, &other);
                 }
             }
         }
-        is_missing |= ears[which].replica.needs_keyframe();
+        is_missing |= candidate_readers[which].replica.needs_keyframe();
     }
     is_missing
 }
 
-fn whole(ears: &MapEars) -> Option<MapView<'_>> {
-    let is_whole = !ears.replica.needs_keyframe() && ears.replica.revision() != Id::NONE;
-    ears.replica.view().filter(|_| is_whole)
+fn whole(candidate_readers: &MapReaders) -> Option<MapView<'_>> {
+    let is_whole = !candidate_readers.replica.needs_keyframe()
+        && candidate_readers.replica.revision() != Id::NONE;
+    candidate_readers.replica.view().filter(|_| is_whole)
 }
 
 /// What a path leads through.

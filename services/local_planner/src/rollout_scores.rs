@@ -68,20 +68,20 @@ impl Terms {
 
 /// An evaluation of rollouts of one speed.
 pub(crate) trait Evaluate: Copy {
-    /// The terms of a rollout's worth. `badness` is how bad it is what it touches that moves, from 0
+    /// The terms of a rollout's worth. `collision_cost` is how bad it is what it touches that moves, from 0
     /// to 1.
-    fn terms(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> Terms;
+    fn terms(&self, w_radps: f64, outcome: &Outcome, collision_cost: f64) -> Terms;
 
     /// What a rollout is worth, in metres of progress.
     #[inline(always)]
-    fn of(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> f64 {
-        self.terms(w_radps, outcome, badness).worth()
+    fn of(&self, w_radps: f64, outcome: &Outcome, collision_cost: f64) -> f64 {
+        self.terms(w_radps, outcome, collision_cost).worth()
     }
 }
 
 /// What decides, besides where they lead, how much the rollouts of a speed are worth.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Worth {
+pub(crate) struct RolloutScore {
     pub(super) weights: DwaWeights,
     /// Share of the highest speed.
     pub(super) speed: f64,
@@ -93,7 +93,7 @@ pub(crate) struct Worth {
     pub(super) hard_m: f64,
 }
 
-impl Evaluate for Worth {
+impl Evaluate for RolloutScore {
     #[inline(always)]
     fn terms(&self, w_radps: f64, outcome: &Outcome, _: f64) -> Terms {
         let weights = &self.weights;
@@ -112,30 +112,30 @@ impl Evaluate for Worth {
     }
 }
 
-/// [`Worth`] with what `dwa_t` adds.
+/// [`RolloutScore`] with what `dwa_t` adds.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct TimedWorth {
-    pub(super) worth: Worth,
+pub(crate) struct TimedRolloutScore {
+    pub(super) worth: RolloutScore,
     pub(super) v_mps: f64,
     pub(super) config: DwaTConfig,
 }
 
-impl Evaluate for TimedWorth {
+impl Evaluate for TimedRolloutScore {
     #[inline(always)]
-    fn terms(&self, w_radps: f64, outcome: &Outcome, badness: f64) -> Terms {
+    fn terms(&self, w_radps: f64, outcome: &Outcome, collision_cost: f64) -> Terms {
         let config = &self.config;
         let calm_mps = config.speed_base_mps + config.speed_gain_hz * outcome.margin_m;
         Terms {
             calm: -(config.weight_speed * (self.v_mps - calm_mps).max(0.0)),
-            dynamic_obstacles: -(config.weight_moving * badness),
-            ..self.worth.terms(w_radps, outcome, badness)
+            dynamic_obstacles: -(config.weight_moving * collision_cost),
+            ..self.worth.terms(w_radps, outcome, collision_cost)
         }
     }
 }
 
 /// The rollouts of one speed, side by side, in the terms of the evaluation.
 #[derive(Debug, Clone)]
-pub(crate) struct Rated {
+pub(crate) struct ScoredRollouts {
     /// Where they end and where they are half way, relative to the robot along the map's axes. [m]
     pub(super) x: Lanes,
     pub(super) y: Lanes,
@@ -147,7 +147,7 @@ pub(crate) struct Rated {
     /// The least space around the outline, at most the soft clearance. [m]
     pub(super) space: Lanes,
     /// How bad it is what they touch that moves.
-    pub(super) badness: [f64; LANES_MAX],
+    pub(super) collision_cost: [f64; LANES_MAX],
     /// Where they end on the path, and where they are half way.
     pub(super) then: Projections,
     pub(super) half: Projections,
@@ -157,7 +157,7 @@ pub(crate) struct Rated {
     pub(super) worth: [f64; LANES_MAX],
 }
 
-impl Default for Rated {
+impl Default for ScoredRollouts {
     fn default() -> Self {
         let (lanes, numbers) = ([0.0; LANES_MAX], [0.0; LANES_MAX]);
         Self {
@@ -168,7 +168,7 @@ impl Default for Rated {
             cos: lanes,
             sin: lanes,
             space: lanes,
-            badness: numbers,
+            collision_cost: numbers,
             then: Projections::default(),
             half: Projections::default(),
             admissible: 0,
@@ -177,7 +177,7 @@ impl Default for Rated {
     }
 }
 
-impl Rated {
+impl ScoredRollouts {
     /// One of them in the terms of the evaluation.
     #[inline(always)]
     pub(super) fn outcome(&self, lane: usize) -> Outcome {
@@ -220,9 +220,9 @@ impl Rated {
     }
 }
 
-/// [`Rated::rate`] for wide vectors.
+/// [`ScoredRollouts::rate`] for wide vectors.
 struct Rate<'a, T> {
-    rated: &'a mut Rated,
+    rated: &'a mut ScoredRollouts,
     terms: &'a T,
     yaw_rates: &'a [f64],
 }
@@ -232,9 +232,9 @@ impl<T: Evaluate> Kernel for Rate<'_, T> {
     fn run(self) {
         let rated = self.rated;
         for (lane, w_radps) in self.yaw_rates.iter().enumerate().take(LANES_MAX) {
-            rated.worth[lane] = self
-                .terms
-                .of(*w_radps, &rated.outcome(lane), rated.badness[lane]);
+            rated.worth[lane] =
+                self.terms
+                    .of(*w_radps, &rated.outcome(lane), rated.collision_cost[lane]);
         }
     }
 }

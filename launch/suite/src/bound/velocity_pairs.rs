@@ -1,7 +1,7 @@
-//! What the robot can do: manoeuvres from gait to gait.
+//! What the robot can do: manoeuvres from pair to pair.
 //!
-//! A gait is a forward speed and a yaw rate, out of a few of each. In a manoeuvre both change as fast
-//! as the robot can from one gait to another and are held then. Manoeuvres begin and end in gaits, so
+//! A pair is a forward speed and a yaw rate, out of a few of each. In a manoeuvre both change as fast
+//! as the robot can from one pair to another and are held then. Manoeuvres begin and end in pairs, so
 //! all of them are integrated once and then only placed.
 
 use super::super::oracle::robot::{Abilities, State};
@@ -28,7 +28,7 @@ const RATES: [f64; 5] = [0.075, 0.2, 0.4, 0.7, 1.0];
 
 /// A forward speed and a yaw rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Gait {
+pub(super) struct VelocityPair {
     /// [m/s]
     pub(super) v_mps: f64,
     /// [rad/s]
@@ -49,7 +49,7 @@ pub(super) struct Moment {
 /// A manoeuvre.
 #[derive(Debug, Clone)]
 pub(super) struct Manoeuvre {
-    /// Index of the gait in which it ends.
+    /// Index of the pair in which it ends.
     pub(super) to: usize,
     /// Angle turned. [rad]
     pub(super) turned_rad: f64,
@@ -64,17 +64,17 @@ impl Manoeuvre {
     }
 }
 
-/// All gaits, and the manoeuvres between them.
+/// All pairs, and the manoeuvres between them.
 #[derive(Debug)]
-pub(super) struct Gaits {
-    all: Vec<Gait>,
-    /// The manoeuvres that begin in each gait.
+pub(super) struct VelocityPairs {
+    all: Vec<VelocityPair>,
+    /// The manoeuvres that begin in each pair.
     manoeuvres: Vec<Vec<Manoeuvre>>,
-    /// Index of the gait of a robot that stands.
+    /// Index of the pair of a robot that stands.
     pub(super) rest: usize,
 }
 
-impl Gaits {
+impl VelocityPairs {
     /// Those of a robot.
     pub(super) fn new(abilities: &Abilities) -> Self {
         let speeds = speeds(abilities);
@@ -82,39 +82,39 @@ impl Gaits {
         let pairs = speeds
             .iter()
             .flat_map(|v| rates.iter().map(move |w| (*v, *w)));
-        let gaits: Vec<Gait> = pairs
-            .map(|(v_mps, w_radps)| Gait { v_mps, w_radps })
+        let pairs: Vec<VelocityPair> = pairs
+            .map(|(v_mps, w_radps)| VelocityPair { v_mps, w_radps })
             .collect();
-        let from = |gait: &Gait| {
-            let to = gaits.iter().enumerate();
-            to.filter_map(|(index, to)| manoeuvre(*gait, (index, *to), abilities))
+        let from = |pair: &VelocityPair| {
+            let to = pairs.iter().enumerate();
+            to.filter_map(|(index, to)| manoeuvre(*pair, (index, *to), abilities))
                 .collect()
         };
-        let manoeuvres = gaits.iter().map(from).collect();
-        let rest = Gait {
+        let manoeuvres = pairs.iter().map(from).collect();
+        let rest = VelocityPair {
             v_mps: 0.0,
             w_radps: 0.0,
         };
         Self {
-            rest: gaits.iter().position(|gait| *gait == rest).unwrap_or(0),
-            all: gaits,
+            rest: pairs.iter().position(|pair| *pair == rest).unwrap_or(0),
+            all: pairs,
             manoeuvres,
         }
     }
 
-    /// A gait.
-    pub(super) fn gait(&self, index: usize) -> Gait {
+    /// A pair.
+    pub(super) fn pair(&self, index: usize) -> VelocityPair {
         self.all[index]
     }
 
-    /// The manoeuvres that begin in a gait.
+    /// The manoeuvres that begin in a pair.
     pub(super) fn from(&self, index: usize) -> &[Manoeuvre] {
         &self.manoeuvres[index]
     }
 }
 
-/// One step of the integration, towards a gait.
-pub(super) fn step(now: &State, towards: Gait, abilities: &Abilities) -> State {
+/// One step of the integration, towards a pair.
+pub(super) fn step(now: &State, towards: VelocityPair, abilities: &Abilities) -> State {
     let up = abilities.speed_up_mps2 * STEP_S;
     let down = abilities.a_mps2_max * STEP_S;
     let turn = abilities.alpha_radps2_max * STEP_S;
@@ -158,8 +158,12 @@ fn nearer(value: f64, target: f64, up: f64, down: f64) -> f64 {
     }
 }
 
-/// The manoeuvre between two gaits; `None` when they are too far apart for one.
-fn manoeuvre(from: Gait, (index, to): (usize, Gait), abilities: &Abilities) -> Option<Manoeuvre> {
+/// The manoeuvre between two pairs; `None` when they are too far apart for one.
+fn manoeuvre(
+    from: VelocityPair,
+    (index, to): (usize, VelocityPair),
+    abilities: &Abilities,
+) -> Option<Manoeuvre> {
     let too_far = |change: f64, per_s2: f64| change.abs() > per_s2 * (MANOEUVRE_S + STEP_S);
     let fastest = abilities.a_mps2_max.max(abilities.speed_up_mps2);
     if too_far(to.v_mps - from.v_mps, fastest)
@@ -188,7 +192,7 @@ fn manoeuvre(from: Gait, (index, to): (usize, Gait), abilities: &Abilities) -> O
         moment.at_m = now.at_m;
         moment.turned = [cos, sin];
     }
-    let is_there = Gait {
+    let is_there = VelocityPair {
         v_mps: now.v_mps,
         w_radps: now.w_radps,
     } == to;

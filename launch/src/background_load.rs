@@ -25,11 +25,11 @@ const STEPS: u64 = 500_000;
 
 /// The processes that keep the machine busy. Dropping it ends them.
 #[derive(Debug)]
-pub(crate) struct Burden {
+pub(crate) struct BackgroundLoad {
     processes: Vec<Child>,
 }
 
-impl Burden {
+impl BackgroundLoad {
     /// Starts a process per core when the load is to be busy, and nothing otherwise.
     ///
     /// # Errors
@@ -60,7 +60,7 @@ impl Burden {
     }
 }
 
-impl Drop for Burden {
+impl Drop for BackgroundLoad {
     fn drop(&mut self) {
         for process in &mut self.processes {
             let _ = process.kill();

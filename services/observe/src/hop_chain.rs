@@ -42,7 +42,7 @@ const READING_NS: u64 = 20_000;
 
 /// One way.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Way {
+pub struct HopChain {
     /// Places of its hops in [`HOPS`].
     pub hops: &'static [usize],
     /// Their boundaries, one more than hops. [ns]
@@ -52,7 +52,7 @@ pub struct Way {
     pub second_ns: Option<u64>,
 }
 
-impl Way {
+impl HopChain {
     /// By the records of a scan, of the request whose author checked its points, of the guard's command
     /// made of that, and of the robot that applied it.
     #[must_use]

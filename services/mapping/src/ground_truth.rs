@@ -10,19 +10,19 @@ use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
 /// What moves at the capture of a scan.
 #[derive(Debug, Clone, Copy)]
-pub struct Told<'a> {
+pub struct GroundTruth<'a> {
     /// True `map_from_base` then.
     pub pose: Pose,
     /// What moves, in the true map.
     pub obstacles: &'a [Foreseen],
 }
 
-impl Told<'_> {
+impl GroundTruth<'_> {
     /// Makes the tracks those that are told. The robot is not quite where it thinks it is: what moves
     /// lies around it as it really does.
     pub(crate) fn teach(&self, tracker: &mut Tracker, view: &ScanView<'_>) {
         let map_from_true = view.map_from_frame.isometry() * self.pose.isometry().inverse();
-        let now = (view.run_ns, view.yaw_doubt);
+        let now = (view.run_ns, view.yaw_variance);
         let tracks = self.obstacles.iter().take(OBSTACLES_MAX).map(|obstacle| {
             let at = map_from_true * Point2::new(obstacle.x_m[0], obstacle.y_m[0]);
             let velocity = map_from_true * Vector2::new(obstacle.vx_mps, obstacle.vy_mps);
@@ -81,9 +81,9 @@ mod tests {
             map_from_frame: thought,
             map_from_laser: thought,
             run_ns,
-            yaw_doubt: 0.0,
+            yaw_variance: 0.0,
         };
-        let told = Told {
+        let told = GroundTruth {
             pose: truth,
             obstacles,
         };

@@ -40,9 +40,9 @@ impl Marks {
 #[derive(Debug, Default)]
 pub(super) struct Raise {
     /// Cells whose price or bound rose, and those that became cheaper, until looked at.
-    pub(super) risen: Vec<Spot>,
+    pub(super) cost_increased: Vec<Spot>,
     /// A cell became cheaper.
-    pub(super) eased: bool,
+    pub(super) cost_decreased: bool,
     /// Cells that may have lost every cheapest way, by what is left from them.
     pub(super) suspects: BinaryHeap<Reverse<u64>>,
     pub(super) suspected: Marks,
@@ -68,8 +68,8 @@ impl Raise {
 
     /// Forgets all cells.
     pub(super) fn clear(&mut self) {
-        self.risen.clear();
-        self.eased = false;
+        self.cost_increased.clear();
+        self.cost_decreased = false;
         self.found.clear();
         for suspect in self.suspects.drain() {
             self.suspected.remove(parts(suspect).1);
@@ -83,15 +83,15 @@ impl Raise {
 
     #[inline]
     pub(super) fn note(&mut self, spot: Spot) {
-        self.risen.push(spot);
+        self.cost_increased.push(spot);
     }
 
     pub(super) fn is_idle(&self) -> bool {
-        self.risen.is_empty() && self.suspects.is_empty() && self.lost.is_empty()
+        self.cost_increased.is_empty() && self.suspects.is_empty() && self.lost.is_empty()
     }
 
     pub(super) fn bytes(&self) -> usize {
-        (self.risen.capacity() + self.lost.capacity()) * size_of::<Spot>()
+        (self.cost_increased.capacity() + self.lost.capacity()) * size_of::<Spot>()
             + self.found.capacity() * size_of::<(Spot, u32)>()
             + (self.suspects.capacity() + self.front.capacity()) * size_of::<Reverse<u64>>()
             + (self.suspected.0.capacity() + self.is_lost.0.capacity()) * size_of::<u64>()

@@ -57,7 +57,7 @@ pub(crate) struct Taken {
 
 /// Keeps the seats of a run taken.
 #[derive(Debug)]
-pub(crate) struct Keeper<'a> {
+pub(crate) struct Restarter<'a> {
     prepared: &'a Prepared,
     /// The binary of each seat that launch fills.
     binaries: BTreeMap<Role, PathBuf>,
@@ -82,8 +82,8 @@ pub(crate) struct Keeper<'a> {
     starvation: Starvation,
 }
 
-impl<'a> Keeper<'a> {
-    /// A keeper for the seats of `prepared`, whose configuration lies in `configs`.
+impl<'a> Restarter<'a> {
+    /// A restarter for the seats of `prepared`, whose configuration lies in `configs`.
     #[must_use]
     pub(crate) fn new(prepared: &'a Prepared, configs: BTreeMap<Role, PathBuf>) -> Self {
         Self {
