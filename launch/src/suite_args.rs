@@ -17,11 +17,11 @@ use zeronav_suite::shard::Shard;
 /// Arguments of `zeronav suite`.
 #[derive(Debug, Clone, Args)]
 pub struct SuiteArgs {
-    /// generated and field (where real robots fail) need no data; barn, dynabarn, pedestrians, soak
-    /// (drives under random faults), or a folder of scenarios; recordings, with a folder of them; merge,
+    /// generated and field (where real robots fail) need no data; barn, dynabarn, pedestrians, kidnapped
+    /// (robots that do not know where on a map they are), soak (drives under random faults), or a folder of scenarios; recordings, with a folder of them; merge,
     /// with the folders of all shards of a suite.
     #[arg(
-        value_name = "generated|field|barn|dynabarn|pedestrians|soak|recordings|merge|FOLDER",
+        value_name = "generated|field|barn|dynabarn|pedestrians|kidnapped|soak|recordings|merge|FOLDER",
         default_value = "",
         hide_default_value = true,
         required_unless_present = "resume"
@@ -78,7 +78,7 @@ pub struct SuiteArgs {
     /// result.
     #[arg(long, value_enum, default_value_t)]
     pub predict: Predict,
-    /// Folder of the data sets: barn, dynabarn and pedestrians lie in it. Without, the environment's
+    /// Folder of the data sets: barn, dynabarn, pedestrians and rosmaps lie in it. Without, the environment's
     /// `$ZERONAV_DATA`, then ./data.
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,

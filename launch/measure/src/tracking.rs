@@ -118,6 +118,7 @@ impl TruthComparison {
         let error_rad = wrap_angle(here.yaw_rad - truth.yaw_rad).abs();
         pose.scans += 1;
         pose.error_m_last = error_m;
+        pose.error_rad_last = error_rad;
         pose.true_pose_last = [truth.x_m, truth.y_m, truth.yaw_rad];
         pose.error_m_max = pose.error_m_max.max(error_m);
         pose.error_rad_max = pose.error_rad_max.max(error_rad);

@@ -67,6 +67,13 @@ pub(super) enum Success {
         /// True when a contact that began while the robot stood is a failure, too.
         standing_counts: bool,
     },
+    /// The robot said that it had arrived, knew where it was then, and touched nothing.
+    Found {
+        /// How far off its pose may be. [m]
+        off_m: f64,
+        /// The same of its yaw. [rad]
+        off_rad: f64,
+    },
     /// What the scenario itself expects.
     Expectations,
 }
@@ -193,9 +200,10 @@ pub(super) fn write(setup: &Setup<'_>, name: &str, mut sheet: Table) -> Result<P
         config.insert("controller".into(), controller.into());
         let mut seat = Table::new();
         seat.insert("config".into(), config.into());
-        let mut services = Table::new();
-        services.insert("local_planner".into(), seat.into());
-        sheet.insert("services".into(), services.into());
+        let services = sheet.entry("services").or_insert(Table::new().into());
+        if let Some(services) = services.as_table_mut() {
+            services.insert("local_planner".into(), seat.into());
+        }
     }
     setup.plan.settings.lay_over_sheet(&mut sheet);
     let name = format!("{name}.toml");

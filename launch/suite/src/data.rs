@@ -51,6 +51,13 @@ pub(super) const PEDESTRIANS: DataSet = DataSet {
     layout: "NAME.csv with t_s,id,x_m,y_m per sample, sorted by time and id",
 };
 
+/// Occupancy maps.
+pub(super) const ROSMAPS: DataSet = DataSet {
+    part: "rosmaps",
+    home: "the packages of ROS that ship maps, or your own",
+    layout: "NAME.yaml of map_server, each beside its image",
+};
+
 /// The folder of the data sets: `--data`, then `$ZERONAV_DATA`, then `./data`.
 fn root(given: Option<&Path>, environment: Option<OsString>) -> PathBuf {
     let named = environment.filter(|root| !root.is_empty());

@@ -23,6 +23,7 @@ pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
             "dynabarn",
             "pedestrians",
             "field",
+            "kidnapped",
             "soak",
         ];
         let why = unknown("suite", &plan.suite, known);

@@ -8,6 +8,7 @@ pub(super) enum Kind {
     Pedestrians,
     Generated,
     Field,
+    Kidnapped,
     Soak,
     Folder,
 }
@@ -21,6 +22,7 @@ impl Kind {
             "pedestrians" => Self::Pedestrians,
             "generated" => Self::Generated,
             "field" => Self::Field,
+            "kidnapped" => Self::Kidnapped,
             "soak" => Self::Soak,
             _ => Self::Folder,
         }
@@ -33,6 +35,7 @@ impl Kind {
             Self::Pedestrians => "pedestrians",
             Self::Generated => "generated",
             Self::Field => "field",
+            Self::Kidnapped => "kidnapped",
             Self::Soak => "soak",
             Self::Folder => "folder",
         }
@@ -59,6 +62,10 @@ impl Kind {
             Self::Field => {
                 "worlds of what real robots meet, drawn from their numbers in our own 2-D simulator: no \
                  benchmark of others"
+            }
+            Self::Kidnapped => {
+                "robots that wake on a map without a pose, or with a wrong one, in our own 2-D simulator: a \
+                 success has found itself and arrived; no published figure compares"
             }
             Self::Soak => {
                 "drives with random faults in our own 2-D simulator: what breaks is put right, and \

@@ -19,6 +19,7 @@ mod ground;
 mod hindsight;
 mod journal;
 mod junit;
+mod kidnapped;
 mod kind;
 mod left;
 pub mod merge;
@@ -248,6 +249,7 @@ fn worlds(kind: Kind, plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
         Kind::Pedestrians => pedestrians::worlds(plan),
         Kind::Generated => Ok(generated::worlds(plan)),
         Kind::Field => Ok(field::worlds(plan)),
+        Kind::Kidnapped => kidnapped::worlds(plan),
         // Each of its drives draws its own.
         Kind::Soak => Ok(Vec::new()),
         Kind::Folder => folder::worlds(plan),
@@ -267,6 +269,7 @@ fn cases(
         Kind::Pedestrians => pedestrians::cases(setup, worlds, runner)?,
         Kind::Generated => generated::cases(setup, worlds)?,
         Kind::Field => field::cases(setup, worlds)?,
+        Kind::Kidnapped => kidnapped::cases(setup, worlds)?,
         // They are endless.
         Kind::Soak => Vec::new(),
         Kind::Folder => folder::cases(setup, worlds)?,

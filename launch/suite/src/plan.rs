@@ -12,7 +12,7 @@ use zeronav_scenario::settings::Settings;
 /// The order for a suite.
 #[derive(Debug, Clone)]
 pub struct SuitePlan {
-    /// `generated`, `barn`, `dynabarn`, `pedestrians`, `soak`, or a folder of scenarios.
+    /// `generated`, `barn`, `dynabarn`, `pedestrians`, `field`, `kidnapped`, `soak`, or a folder of scenarios.
     pub suite: String,
     /// Folder of an interrupted suite to continue; its journal then has the order.
     pub resume: Option<PathBuf>,

@@ -16,6 +16,9 @@ pub(super) const RUNS: &str = "runs";
 /// Why a run is no success whose robot said that it had arrived and had not.
 const BESIDE_THE_GOAL: &str = "stopped beside the goal";
 
+/// The same where its pose was wrong.
+const WRONG_PLACE: &str = "took another place for its own";
+
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
@@ -79,6 +82,12 @@ pub struct Row {
     /// Wall time of the drive, which depends on the machine and is no result. [s]
     #[serde(skip)]
     pub wall_s: Option<f64>,
+    /// How far off the robot's pose was at the end. [m]
+    #[serde(default)]
+    pub pose_error_m: Option<f64>,
+    /// The same of its yaw. [rad]
+    #[serde(default)]
+    pub pose_error_rad: Option<f64>,
     /// Hash of the run.
     pub run_hash: Option<String>,
     /// Why the run may go otherwise the next time; null when it does not.
@@ -106,7 +115,7 @@ impl Row {
         };
         let goal_distance_m = match case.rule.success {
             Success::Arrival { goal_m, .. } => closest_m(&run.track_m, goal_m),
-            Success::Expectations => None,
+            Success::Found { .. } | Success::Expectations => None,
         };
         let contacts = contacts(case, run);
         let n_unavoidable = contacts
@@ -136,7 +145,7 @@ impl Row {
             contacts_standing: run.contacts_standing,
             unavoidable: case.rule.future_is_known.then_some(unavoidable),
             arrived: arrival.is_none() && !finish.hung,
-            wrong_arrival: arrival.as_deref() == Some(BESIDE_THE_GOAL),
+            wrong_arrival: matches!(arrival.as_deref(), Some(BESIDE_THE_GOAL | WRONG_PLACE)),
             time_ratio: way_s
                 .filter(|way_s| success && *way_s > 0.0)
                 .map(|way_s| run.time_s / way_s),
@@ -158,6 +167,8 @@ impl Row {
             driven_m: Some(run.driven_m),
             goal_distance_m,
             wall_s: Some(run.wall_s),
+            pose_error_m: run.pose.as_ref().map(|pose| pose.error_m_last),
+            pose_error_rad: run.pose.as_ref().map(|pose| pose.error_rad_last),
             run_hash: run.run_hash.clone(),
             not_reproducible: match run.reproducible {
                 Some(_) if finish.hung => Some(by_the_suite(case)),
@@ -222,6 +233,8 @@ impl Row {
             driven_m: None,
             goal_distance_m: None,
             wall_s: None,
+            pose_error_m: None,
+            pose_error_rad: None,
             run_hash: None,
             not_reproducible: None,
             directory: None,
@@ -270,18 +283,21 @@ fn contacts(case: &Case, run: &RunResult) -> Vec<ContactRow> {
 
 /// Why a run is no success for what it touched.
 fn touched(success: &Success, run: &RunResult, unavoidable: u32) -> Option<String> {
-    let Success::Arrival {
-        standing_counts, ..
-    } = success
-    else {
-        let n_contacts = run.contacts_moving + run.contacts_standing;
-        return (run.verdict != "pass" && n_contacts > 0).then(|| "contact".to_owned());
+    let standing_counts = match success {
+        Success::Arrival {
+            standing_counts, ..
+        } => *standing_counts,
+        Success::Found { .. } => true,
+        Success::Expectations => {
+            let n_contacts = run.contacts_moving + run.contacts_standing;
+            return (run.verdict != "pass" && n_contacts > 0).then(|| "contact".to_owned());
+        }
     };
     // Where contacts with a stopped robot are forgiven, so are those that were unavoidable.
-    let forgiven = if *standing_counts { 0 } else { unavoidable };
+    let forgiven = if standing_counts { 0 } else { unavoidable };
     let cause = if run.contacts_moving > forgiven {
         "contact while moving"
-    } else if *standing_counts && run.contacts_standing > 0 {
+    } else if standing_counts && run.contacts_standing > 0 {
         "contact while standing"
     } else {
         return None;
@@ -291,15 +307,22 @@ fn touched(success: &Success, run: &RunResult, unavoidable: u32) -> Option<Strin
 
 /// Why a run did not end as it should, whatever it touched.
 fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> Option<String> {
-    let Success::Arrival { tolerance_m, .. } = success else {
-        return (run.verdict != "pass").then(|| run.outcome.clone());
+    let (is_there, otherwise) = match success {
+        Success::Expectations => return (run.verdict != "pass").then(|| run.outcome.clone()),
+        Success::Arrival { tolerance_m, .. } => (
+            goal_distance_m.is_some_and(|distance_m| distance_m <= *tolerance_m),
+            BESIDE_THE_GOAL,
+        ),
+        Success::Found { off_m, off_rad } => (
+            (run.pose.as_ref())
+                .is_some_and(|pose| pose.error_m_last <= *off_m && pose.error_rad_last <= *off_rad),
+            WRONG_PLACE,
+        ),
     };
-    if !run.reached {
-        Some(run.outcome.clone())
-    } else if goal_distance_m.is_none_or(|distance_m| distance_m > *tolerance_m) {
-        Some(BESIDE_THE_GOAL.to_owned())
-    } else {
-        None
+    match (run.reached, is_there) {
+        (false, _) => Some(run.outcome.clone()),
+        (true, false) => Some(otherwise.to_owned()),
+        (true, true) => None,
     }
 }
 

@@ -55,6 +55,10 @@ pub struct Summary {
     pub mean_turning_rad: Option<f64>,
     /// Mean absolute jerk of the true forward speed, of the successes. [m/s^3]
     pub mean_jerk_mps3: Option<f64>,
+    /// Largest error of the robot's pose at the end of a success. [m]
+    pub pose_error_m_max: Option<f64>,
+    /// The same of its yaw. [rad]
+    pub pose_error_rad_max: Option<f64>,
     /// Interventions of the collision guard in all runs.
     pub interventions: Option<u64>,
     /// Manoeuvres and waits of the recovery in all runs.
@@ -75,6 +79,10 @@ impl Summary {
         };
         let of_success = |value: fn(&Row) -> Option<f64>| {
             mean(&move |row| row.success.then(|| value(row)).flatten())
+        };
+        let most = |value: fn(&Row) -> Option<f64>| {
+            let successes = rows.iter().filter(|row| row.success);
+            successes.filter_map(|row| value(row)).reduce(f64::max)
         };
         let count = |is: &dyn Fn(&Row) -> bool| rows.iter().filter(|row| is(row)).count();
         let total = |number: &dyn Fn(&Row) -> Option<u64>| {
@@ -117,6 +125,8 @@ impl Summary {
             mean_clearance_m_min: mean(&|row| row.clearance_m_min),
             mean_turning_rad: of_success(|row| row.turning_rad),
             mean_jerk_mps3: of_success(|row| row.jerk_mps3),
+            pose_error_m_max: most(|row| row.pose_error_m),
+            pose_error_rad_max: most(|row| row.pose_error_rad),
             interventions: total(&|row| row.interventions),
             recoveries: total(&|row| row.recoveries),
             causes,

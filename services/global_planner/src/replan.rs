@@ -145,7 +145,7 @@ pub struct Replanner {
     pending: Option<Pending>,
     /// What the map did since the last search.
     change: Change,
-    /// Cheapest way that the cells cost_decreased since the last search allow. [m of free cells]
+    /// Cheapest way that the cells that became cheaper since the last search allow. [m of free cells]
     promised_m: f64,
     robot: Pose,
     revision: u64,
@@ -448,7 +448,7 @@ impl Replanner {
 
     /// Takes in what the map did.
     fn observe(&mut self, situation: &Situation<'_>) {
-        // The robot may have come closer to what cost_decreased before.
+        // The robot may have come closer to what became cheaper before.
         self.promised_m -= OCTILE_MAX * self.robot.distance_m(&situation.robot);
         self.robot = situation.robot;
         let Some(map) = situation.map else {

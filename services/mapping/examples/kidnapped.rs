@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 use support::{Rng, Room, description};
 use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::{Mapping, MappingConfig, Observation, Sought};
+use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
-use zeronav_msgs::{Cell, Pose};
 use zeronav_observe::statistics::percentile;
 use zeronav_world::{Occupancy, StaticMap};
 
@@ -28,7 +28,7 @@ const SCANS: u32 = 100;
 /// A pose farther off than this is wrong. [m, rad]
 const WRONG: (f64, f64) = (0.5, 0.3);
 
-/// Least distance from a wall. [cells of the map: m]
+/// Least distance from a wall. [m]
 const ROOM_M: f64 = 0.3;
 
 #[derive(Debug, Clone, Copy)]
@@ -121,7 +121,7 @@ impl Tally {
 
 fn robots(file: &Path, options: Options) -> Result<Tally, Box<dyn Error>> {
     let map = zeronav_world_files::map_file::load(file)?.map;
-    let standing = standing(&map);
+    let standing = map.largest_room(ROOM_M);
     let mut rng = Rng(options.seed);
     let mut tally = Tally::default();
     for number in 0..options.poses {
@@ -220,54 +220,6 @@ fn on_processor_ms() -> f64 {
         .next()
         .and_then(|word| word.parse::<f64>().ok());
     1.0e-6 * ns.unwrap_or_default()
-}
-
-/// The cells of the largest room in which a robot can stand.
-fn standing(map: &StaticMap) -> Vec<Cell> {
-    let geometry = &map.geometry;
-    #[allow(clippy::cast_possible_truncation, reason = "a few cells")]
-    let reach = (ROOM_M / geometry.resolution_m).ceil() as i32;
-    let mut open: Vec<bool> = map.cells.iter().map(|it| *it == Occupancy::Free).collect();
-    let (width, height) = geometry.size();
-    for y in 0..height {
-        for x in 0..width {
-            if map.get(Cell::new(x, y)) != Some(Occupancy::Occupied) {
-                continue;
-            }
-            for dy in -reach..=reach {
-                for dx in -reach..=reach {
-                    if let Some(index) = geometry.index_of(Cell::new(x + dx, y + dy)) {
-                        open[index] = false;
-                    }
-                }
-            }
-        }
-    }
-    let mut largest = Vec::new();
-    for y in 0..height {
-        for x in 0..width {
-            let mut room = vec![Cell::new(x, y)];
-            let mut next = 0;
-            match geometry.index_of(room[0]) {
-                Some(index) if open[index] => open[index] = false,
-                _ => continue,
-            }
-            while let Some(cell) = room.get(next).copied() {
-                next += 1;
-                for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
-                    let beside = Cell::new(cell.x + dx, cell.y + dy);
-                    if let Some(index) = geometry.index_of(beside).filter(|index| open[*index]) {
-                        open[index] = false;
-                        room.push(beside);
-                    }
-                }
-            }
-            if room.len() > largest.len() {
-                largest = room;
-            }
-        }
-    }
-    largest
 }
 
 /// The world: the map, with boxes before about a share `moved` of the beams.

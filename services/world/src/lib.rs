@@ -4,7 +4,7 @@
 //! How to read this crate: [`WorldSpec`] (`spec.rs`) are the words of a scenario, [`World`] (`world.rs`)
 //! answers what is solid and how far away it is. Shapes and distances are parry's, in f64: [`Convex`],
 //! [`Shape`], [`Footprint`]; `rectangles.rs` and `raster.rs` go from cells to shapes and back,
-//! [`generate`] draws random maps, `free_pose.rs` looks for room at a goal.
+//! [`generate`] draws random maps, `free_pose.rs` looks for room at a goal, `largest_room.rs` for the room of a whole map.
 //!
 //! Pure: no files, no processes, no clock. Files are read by the crate `zeronav-world-files`.
 
@@ -15,6 +15,7 @@ pub mod error;
 pub mod footprint;
 pub mod free_pose;
 pub mod generate;
+mod largest_room;
 mod parry_pose;
 mod polygon;
 mod raster;

@@ -3,8 +3,8 @@
 use super::bench::{Bench, Measured};
 use super::printed::{mapping_scale, planner_replan, with_data};
 use super::{
-    big_map, bridge, extract, faults, hosts, latencies, paired, shards, standing, suites, tracker,
-    trials, viewing,
+    big_map, bridge, extract, faults, hosts, kidnapped, latencies, paired, shards, standing,
+    suites, tracker, trials, viewing,
 };
 
 /// One experiment.
@@ -248,6 +248,18 @@ pub const EXPERIMENTS: &[Experiment] = &[
              stands; run time is per time of that way at top speeds.",
         ),
         make: suites::field,
+    },
+    Experiment {
+        key: "kidnapped",
+        title: "robots that wake on a map without a pose, or with a wrong one",
+        minutes: 20.0,
+        by_default: false,
+        note: Some(
+            "Told wrong is 2 m ahead and turned by 180 degrees. A robot that is told nothing shall stay, and is found \
+             when it says so, within 10 s; one that is told wrong shall drive elsewhere, within 60 s. Pose errors are those \
+             of then; wrong and certain: off by more than 0.5 m or 0.3 rad.",
+        ),
+        make: kidnapped::make,
     },
     Experiment {
         key: "barn",

@@ -21,7 +21,7 @@ pub(super) fn table(title: &str, columns: &[&str], rows: Vec<Row>) -> Table {
     }
 }
 
-fn count(n: usize) -> u64 {
+pub(super) fn count(n: usize) -> u64 {
     n as u64
 }
 

@@ -11,6 +11,7 @@ pub mod experiments;
 pub mod extract;
 mod faults;
 mod hosts;
+mod kidnapped;
 mod latencies;
 pub mod page;
 mod paired;

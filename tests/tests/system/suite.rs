@@ -435,6 +435,47 @@ fn generated_suite_needs_no_data_and_has_a_row_per_class() {
 }
 
 #[test]
+fn robots_that_do_not_know_where_they_are_find_themselves() {
+    let data = shipped_data("").display().to_string();
+    let arguments = [
+        "suite",
+        "kidnapped",
+        "--data",
+        &data,
+        "--worlds",
+        "17..27",
+        "--json",
+    ];
+    let report = zeronav(&arguments).expect(0);
+    let runs = report["runs"].as_array().expect("runs");
+    // The rooms are alike in places: who stands there cannot know which of them it is.
+    assert_eq!(report["summary"]["wrong_arrivals"], 0, "{report:#}");
+    for class in ["told_nothing", "told_wrong"] {
+        let found = |run: &&Value| run["class"] == class && run["success"] == true;
+        assert!(runs.iter().any(|run| found(&run)), "{class}: {report:#}");
+    }
+    for run in runs.iter().filter(|run| run["success"] == true) {
+        let below = |key: &str, most: f64| run[key].as_f64().is_some_and(|value| value < most);
+        assert!(below("pose_error_m", 0.1), "{run:#}");
+        assert!(below("pose_error_rad", 3.0_f64.to_radians()), "{run:#}");
+    }
+    let ended = zeronav(&[
+        "suite",
+        "kidnapped",
+        "--data",
+        &data,
+        "--worlds",
+        "9000..9001",
+    ]);
+    assert_eq!(ended.code(), 2, "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("have the worlds 0..160"),
+        "{}",
+        ended.stderr
+    );
+}
+
+#[test]
 fn field_suite_has_a_row_per_kind_and_says_where_there_is_a_way() {
     let arguments = ["suite", "field", "--worlds", "0..12", "--json"];
     let report = zeronav(&arguments).expect(0);

@@ -137,7 +137,7 @@ impl<Q: OpenList> Run<'_, Q> {
                 }
                 let key = node.so_far.saturating_add(left);
                 if key > self.open.least() {
-                    // Its key was beyond the span, or its bound has cost_increased since.
+                    // Its key was beyond the span, or its bound has risen since.
                     let most = self.open.least().saturating_add(self.span);
                     self.open.push(key.min(most), spot);
                     continue;

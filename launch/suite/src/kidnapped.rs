@@ -1,0 +1,214 @@
+//! Robots that do not know where on a map they are: half of them are told nothing and shall stay where they are, half are
+//! told that they are 2 m ahead and face the other way, and are sent elsewhere. Each has to find itself, and to arrive.
+
+use super::case::{Case, Manner, Rule, Sheet, Success};
+use super::data::{self, WorldFile};
+use super::plan::{Setup, SuitePlan};
+use super::turns::OutlineWay;
+use core::f64::consts::PI;
+use core::ops::Range;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use toml::{Table, Value};
+use zeronav_msgs::{Cell, Pose};
+use zeronav_world::StaticMap;
+use zeronav_world_files::map_file;
+
+/// Robots of each map: the first half is told nothing, the other half something wrong.
+const EACH: u32 = 40;
+
+/// Least distance of a robot's centre from a wall. [m]
+const ROOM_M: f64 = 0.5;
+
+/// What a robot that is told something wrong is told, seen from where it is.
+const TOLD: Pose = Pose::new(2.0, 0.0, PI);
+
+/// Run time of a robot that is told nothing, and of one that has to notice first and to drive then. [s]
+const TIME_LIMIT_S: [f64; 2] = [10.0, 60.0];
+
+/// How near to its goal it must think itself to be. [m]
+const TOLERANCE_M: f64 = 0.25;
+
+/// How far away the goal of a robot is that is told something wrong, where the room has such a place: it has noticed
+/// before it arrives. [m]
+const AWAY_M: Range<f64> = 5.0..12.0;
+
+/// A pose that is farther off is that of another place. [m, rad]
+const OFF: (f64, f64) = (0.5, 0.3);
+
+/// Places that are drawn to find such a one.
+const TRIES: usize = 100;
+
+/// What a robot is told.
+const CLASSES: [&str; 2] = ["told_nothing", "told_wrong"];
+
+/// Every robot of every map that is asked for, numbered by map and robot.
+///
+/// # Errors
+/// One line when there are no maps.
+pub(super) fn worlds(plan: &SuitePlan) -> Result<Vec<WorldFile>, String> {
+    let folder = data::folder(plan, data::ROSMAPS)?;
+    let all = SuitePlan {
+        worlds: None,
+        ..plan.clone()
+    };
+    let mut worlds = Vec::new();
+    for (map, place) in data::worlds(&all, &folder, "", "yaml")?
+        .into_iter()
+        .zip(0..)
+    {
+        worlds.extend((0..EACH).map(|robot| WorldFile {
+            name: format!("{}_{robot:02}", map.name),
+            number: EACH * place + robot,
+            file: map.file.clone(),
+        }));
+    }
+    let n = worlds.len();
+    worlds
+        .retain(|world| (plan.worlds.as_ref()).is_none_or(|wanted| wanted.contains(&world.number)));
+    if worlds.is_empty() {
+        return Err(format!(
+            "the maps of {} have the worlds 0..{n}",
+            folder.display()
+        ));
+    }
+    Ok(worlds)
+}
+
+/// Every world with every seed.
+///
+/// # Errors
+/// One line naming a file, or a map without room.
+pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>, String> {
+    let mut cases = Vec::new();
+    for of_map in worlds.chunk_by(|one, other| one.file == other.file) {
+        let Some(first) = of_map.first() else {
+            continue;
+        };
+        let map = map_file::load(&first.file)
+            .map_err(|error| error.to_string())?
+            .map;
+        let room = map.largest_room(ROOM_M);
+        if room.is_empty() {
+            return Err(format!(
+                "{}: no place is {ROOM_M} m from everything",
+                first.file.display()
+            ));
+        }
+        for world in of_map {
+            let case = case(setup, world, &drawn(world, &map, &room))?;
+            cases.extend((1..=setup.plan.seeds).map(|seed| Case {
+                seed,
+                ..case.clone()
+            }));
+        }
+    }
+    Ok(cases)
+}
+
+/// True for a world whose robot is told something wrong.
+fn is_told_wrong(world: &WorldFile) -> bool {
+    world.number % EACH >= EACH / 2
+}
+
+/// Where the robot of a world wakes, and where it shall go.
+fn drawn(world: &WorldFile, map: &StaticMap, room: &[Cell]) -> [Pose; 2] {
+    let mut random = Pcg64Mcg::seed_from_u64(u64::from(world.number));
+    let mut place = || {
+        let at = map
+            .geometry
+            .centre_of(room[random.random_range(0..room.len())]);
+        Pose::new(at.x, at.y, random.random_range(-PI..PI))
+    };
+    let start = place();
+    if !is_told_wrong(world) {
+        return [start, start];
+    }
+    let others: Vec<Pose> = (0..TRIES).map(|_| place()).collect();
+    let away_m = |other: &Pose| other.distance_m(&start);
+    let goal = (others.iter())
+        .find(|other| AWAY_M.contains(&away_m(other)))
+        .or_else(|| (others.iter()).max_by(|one, other| away_m(one).total_cmp(&away_m(other))));
+    [start, goal.copied().unwrap_or(start)]
+}
+
+fn case(setup: &Setup<'_>, world: &WorldFile, [start, goal]: &[Pose; 2]) -> Result<Case, String> {
+    let class = usize::from(is_told_wrong(world));
+    let time_limit_s = TIME_LIMIT_S[class];
+    let mut table = Table::new();
+    table.insert("map".into(), world.file.display().to_string().into());
+    let sheet = Sheet {
+        name: world.name.clone(),
+        title: format!(
+            "{}: a robot that is {}",
+            world.name,
+            CLASSES[class].replace('_', " ")
+        ),
+        world: table,
+        start: *start,
+        goal: *goal,
+        goal_tolerance_m: TOLERANCE_M,
+        time_limit_s,
+    };
+    let mut sheet = sheet.table(setup)?;
+    // It has the map.
+    sheet.remove("static_map");
+    sheet.insert("services".into(), told(start, class).into());
+    Ok(Case {
+        world: world.name.clone(),
+        class: Some(CLASSES[class].to_owned()),
+        seed: 1,
+        scenario: super::case::write(setup, &world.name, sheet)?,
+        time_limit_s,
+        rule: Rule {
+            success: Success::Found {
+                off_m: OFF.0,
+                off_rad: OFF.1,
+            },
+            optimal_time_s: None,
+            reference_m: None,
+            future_is_known: false,
+            way: OutlineWay::NotSearched,
+        },
+        manner: Manner::default(),
+    })
+}
+
+/// The services' configuration: what mapping is told of the pose. Odometry begins at the true one.
+fn told(start: &Pose, class: usize) -> Table {
+    let mut localisation = Table::new();
+    let told = start.then(&TOLD);
+    let map_from_odom = Pose::from(told.isometry() * start.isometry().inverse());
+    if class == 0 {
+        localisation.insert("start".into(), "unknown".into());
+    }
+    localisation.insert("map_from_odom".into(), super::case::numbers(map_from_odom));
+    ["localisation", "config", "mapping"]
+        .into_iter()
+        .fold(localisation, |inner, name| {
+            let mut outer = Table::new();
+            outer.insert(name.into(), Value::Table(inner));
+            outer
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_the_robots_are_told_that_they_are_ahead_and_face_the_other_way() {
+        let start = Pose::new(3.0, -2.0, 0.7);
+        for class in 0..2 {
+            let services = told(&start, class);
+            let localisation = &services["mapping"]["config"]["localisation"];
+            let start_is = localisation.get("start").and_then(Value::as_str);
+            assert_eq!(start_is, (class == 0).then_some("unknown"));
+            let number = |n: usize| localisation["map_from_odom"][n].as_float().unwrap();
+            let map_from_odom = Pose::new(number(0), number(1), number(2));
+            let believed = map_from_odom.then(&start);
+            assert!((believed.distance_m(&start) - 2.0).abs() < 1.0e-9);
+            assert!(believed.distance_m(&start.then(&TOLD)) < 1.0e-9);
+        }
+    }
+}
