@@ -337,6 +337,10 @@ pub struct UpArgs {
     /// middle.
     #[arg(long, value_names = ["X", "Y", "YAW"], num_args = 3, requires = "map")]
     pub start_pose: Option<Vec<f64>>,
+    /// Tell the robot that it is where the last stack of this scenario was left (`last-pose-SCENARIO.json` in the folder
+    /// of the runs), if the map is the same and there is room. What it sees is held against that as against any pose.
+    #[arg(long)]
+    pub resume_pose: bool,
     /// How the stack is brought up.
     #[command(flatten)]
     pub start: StartArgs,
@@ -356,6 +360,7 @@ impl UpArgs {
         };
         RunPlan {
             stays: true,
+            resume_pose: self.resume_pose,
             ..self.start.plan(source)
         }
     }

@@ -64,6 +64,8 @@ pub(crate) struct Collector {
     pub odometry: Option<Odometry>,
     /// Tick and `map_from_odom` of the newest map with a scan: before its first, a successor knows nothing.
     pub located: Option<(u64, Pose)>,
+    /// Whether mapping knew that.
+    pub knows_pose: bool,
     /// Run time of the newest odometry or truth. [ns]
     pub run_ns: u64,
     /// First tick at which the wheels turned.

@@ -33,6 +33,7 @@ use zeronav_world::{Footprint, World};
 
 /// A run that can be started.
 #[derive(Debug)]
+#[allow(clippy::struct_excessive_bools, reason = "independent choices")]
 pub struct Prepared {
     /// The live page that is wanted.
     pub view: Option<PageArgs>,
@@ -68,6 +69,8 @@ pub struct Prepared {
     pub trials: Option<u32>,
     /// True when the stack stays up and waits for goals.
     pub stays: bool,
+    /// True when its robot shall be where the last one was left.
+    pub resume_pose: bool,
     /// The tick before which a lockstep run is paused.
     pub stands_before: Option<u64>,
     /// True when the services time the stages of their cycles.
@@ -368,6 +371,7 @@ pub(crate) fn prepare(plan: &RunPlan) -> Result<Prepared, String> {
         progress: plan.progress,
         trials: plan.trials,
         stays: plan.stays,
+        resume_pose: plan.resume_pose,
         stands_before: None,
         // For the trace, which a stack in real time leaves.
         stages: plan.stages && plan.mode == RunMode::RealTime,

@@ -85,6 +85,8 @@ pub struct RunPlan {
     pub trials: Option<u32>,
     /// True when the stack stays up and waits for goals, in place of the scenario's drive.
     pub stays: bool,
+    /// True when its robot shall be where the last stack of the scenario was left.
+    pub resume_pose: bool,
     /// Delays injected into seats, in steps of [`zeronav_msgs::run::DELAY_STEP_NS`].
     pub delays: BTreeMap<Role, u16>,
     /// Folder in which the run's own folder is made.
@@ -122,6 +124,7 @@ impl RunPlan {
             host: None,
             trials: None,
             stays: false,
+            resume_pose: false,
             delays: BTreeMap::new(),
             out: PathBuf::from("runs"),
             log_level: "info".to_owned(),

@@ -76,8 +76,8 @@ pub enum Fact {
     Odometry(Pose),
     /// What mapping saw moving in the scan with this id.
     Moving(u64, Vec<Obstacle>),
-    /// Where mapping placed the scan with this id: `map_from_odom`.
-    Placed(u64, Pose),
+    /// Where mapping placed the scan with this id: `map_from_odom`, and whether it knew that.
+    Placed(u64, Pose, bool),
     /// What the local planner said of the task.
     Task(TaskReport),
 }
@@ -170,7 +170,9 @@ impl RunTotals {
             Fact::Command(why) => self.motion.command(run_ns, why),
             Fact::Odometry(pose) => self.comparison.odometry(run_ns, &pose),
             Fact::Moving(scan, tracked) => self.comparison.obstacles(scan, &tracked),
-            Fact::Placed(scan, map_from_odom) => self.comparison.placed(scan, &map_from_odom),
+            Fact::Placed(scan, map_from_odom, is_known) => {
+                self.comparison.placed(scan, &map_from_odom, is_known);
+            }
             Fact::Task(report) => self.task = Some(report),
         }
         self.comparison.compare();

@@ -22,7 +22,8 @@ struct Scan {
     /// With its run time. [ns]
     truth: Option<(u64, Pose, Vec<TruthObstacle>)>,
     tracked: Option<Vec<Obstacle>>,
-    map_from_odom: Option<Pose>,
+    /// With whether mapping knew it.
+    map_from_odom: Option<(Pose, bool)>,
 }
 
 impl Scan {
@@ -73,9 +74,9 @@ impl TruthComparison {
         self.waiting.entry(scan).or_default().tracked = Some(tracked.to_vec());
     }
 
-    /// Takes in where mapping has placed a scan.
-    pub fn placed(&mut self, scan: u64, map_from_odom: &Pose) {
-        self.waiting.entry(scan).or_default().map_from_odom = Some(*map_from_odom);
+    /// Takes in where mapping has placed a scan, and whether it knew that.
+    pub fn placed(&mut self, scan: u64, map_from_odom: &Pose, is_known: bool) {
+        self.waiting.entry(scan).or_default().map_from_odom = Some((*map_from_odom, is_known));
     }
 
     /// Compares the scans of which everything is here, the odometry of their tick included. Every
@@ -99,7 +100,7 @@ impl TruthComparison {
     }
 
     fn compare_scan(&mut self, scan: Scan) {
-        let (Some((run_ns, truth, obstacles)), Some(tracked), Some(map_from_odom)) =
+        let (Some((run_ns, truth, obstacles)), Some(tracked), Some((map_from_odom, is_known))) =
             (scan.truth, scan.tracked, scan.map_from_odom)
         else {
             return;
@@ -118,7 +119,8 @@ impl TruthComparison {
         let error_rad = wrap_angle(here.yaw_rad - truth.yaw_rad).abs();
         pose.scans += 1;
         pose.error_m_last = error_m;
-        pose.error_rad_last = error_rad;
+        pose.error_rad_last = Some(error_rad);
+        pose.known_last = Some(is_known);
         pose.true_pose_last = [truth.x_m, truth.y_m, truth.yaw_rad];
         pose.error_m_max = pose.error_m_max.max(error_m);
         pose.error_rad_max = pose.error_rad_max.max(error_rad);
@@ -193,7 +195,11 @@ mod tests {
             },
         );
         if !lost {
-            comparison.placed(id, &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1));
+            comparison.placed(
+                id,
+                &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1),
+                true,
+            );
         }
         comparison.compare();
     }
@@ -232,7 +238,7 @@ mod tests {
         comparison.odometry(7, &Pose::default());
         comparison.odometry(8, &Pose::default());
         comparison.obstacles(1, &[]);
-        comparison.placed(1, &Pose::new(0.0, 0.0, -3.1));
+        comparison.placed(1, &Pose::new(0.0, 0.0, -3.1), true);
         comparison.compare();
         let error_rad = comparison.pose().expect("a scan").error_rad_max;
         assert!((error_rad - (core::f64::consts::TAU - 6.2)).abs() < 1e-9);
@@ -243,7 +249,7 @@ mod tests {
         let mut comparison = TruthComparison::default();
         comparison.truth(0, 40, &Pose::default(), &[]);
         comparison.obstacles(40, &[]);
-        comparison.placed(40, &Pose::default());
+        comparison.placed(40, &Pose::default(), true);
         comparison.compare();
         assert_eq!(comparison.pose(), None);
         comparison.odometry(0, &Pose::default());

@@ -5,8 +5,10 @@ mod breaking;
 mod companions;
 mod course;
 mod faults;
+mod last_pose;
 mod pace;
 mod reach;
+mod resuming;
 mod serve;
 mod session;
 mod standstill;
@@ -205,6 +207,7 @@ fn drive_stack(
     let shared_memory_bytes = stack.shared_memory_bytes();
     let services = seat_report::stop(stack, &session.restarter, prepared);
     session.listen(stack);
+    session.save_last_pose();
     session.collector.film.end();
     let link = host::link_result(stack.root());
     let companions = session.companions.stop();

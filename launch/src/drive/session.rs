@@ -2,6 +2,7 @@
 
 use super::course::trial_runner;
 use super::faults::Faults;
+use super::last_pose::LastPose;
 use super::pace::Speed;
 use super::standstill::{Standing, Standstill};
 use super::swaps::Swaps;
@@ -65,6 +66,8 @@ pub(super) struct Session<'a> {
     pub(super) placed: PlacedObstacles,
     /// Where a client has said last that the robot is.
     pub(super) given_pose: Option<PoseEstimate>,
+    /// Where it was left; of a stack that stays up.
+    pub(super) last_pose: Option<LastPose>,
     /// The swap that goes on, and those before it.
     pub(super) swaps: Swaps,
     /// What runs beside the stack.
@@ -122,6 +125,7 @@ impl<'a> Session<'a> {
                 (prepared.world.obstacles().iter()).map(|obstacle| obstacle.spec.name.clone()),
             ),
             given_pose: None,
+            last_pose: LastPose::of(prepared),
             swaps: Swaps::default(),
             companions: Companions::default(),
             recorded: None,
@@ -348,6 +352,7 @@ impl<'a> Session<'a> {
             self.line.show(|| progress);
             if self.prepared.stays {
                 self.collector.forget();
+                self.update_last_pose(stack);
             }
             let soon = Duration::from_millis(1);
             let is_busy = self.restarter.is_busy() || self.swaps.is_busy();

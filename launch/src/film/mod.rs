@@ -56,8 +56,8 @@ const INTERVENTIONS_MAX: usize = 2000;
 /// Requests that are remembered for the commands that refer to them.
 const RECENT_MAX: usize = 64;
 
-/// Commands that wait for their requests at most: those are remembered for longer.
-const EARLY_MAX: usize = RECENT_MAX / 2;
+/// Commands that wait for their requests at most.
+const EARLY_MAX: usize = 32;
 
 /// Tiles that are remembered, so that one that comes again unchanged takes no room.
 const TILES_MAX: usize = zeronav_msgs::map::TILES_PER_KEYFRAME_MAX;
@@ -83,8 +83,8 @@ pub(crate) struct Film {
     stepping_in: Option<Intervention>,
     held: Held,
     requests: VecDeque<(u64, VelocityRequest)>,
-    /// Commands that were heard before the request that they rest on, with their run time [ns] and the id of that.
-    early: VecDeque<(u64, u64, VelocityCommand)>,
+    /// Commands that were heard before the request that they rest on, and those behind them.
+    early: VecDeque<Early>,
     task: Vec<Goal>,
     tiles: BTreeMap<(u32, u32), Tile>,
     grid: Option<Grid>,
@@ -196,6 +196,9 @@ impl Film {
     /// What the local planner asked for.
     pub(crate) fn request(&mut self, id: u64, request: &VelocityRequest) {
         remember(&mut self.requests, id, *request);
+        for early in self.early.iter_mut().filter(|early| early.id == id) {
+            early.request = Some(*request);
+        }
         self.show_early(EARLY_MAX);
     }
 
@@ -212,21 +215,26 @@ impl Film {
                 Some(_) => self.interventions_left_out += 1,
             }
         }
-        self.early.push_back((run_ns, request, *command));
+        let heard = recalled(&self.requests, request);
+        self.early.push_back(Early {
+            run_ns,
+            id: request,
+            request: heard.or((request == 0).then(VelocityRequest::default)),
+            command: *command,
+        });
         self.show_early(EARLY_MAX);
     }
 
     /// Shows the commands of which the request has been heard, in their order; of those that wait for one, `kept` stay.
     fn show_early(&mut self, kept: usize) {
-        while let Some((run_ns, id, command)) = self.early.front().copied() {
-            let request = recalled(&self.requests, id);
-            if id != 0 && request.is_none() && self.early.len() <= kept {
+        while let Some(early) = self.early.front().copied() {
+            if early.request.is_none() && self.early.len() <= kept {
                 break;
             }
             self.early.pop_front();
-            if self.controls.is_due(run_ns) {
-                let control = Control::of(&request.unwrap_or_default(), &command);
-                self.controls.push(run_ns, control);
+            if self.controls.is_due(early.run_ns) {
+                let control = Control::of(&early.request.unwrap_or_default(), &early.command);
+                self.controls.push(early.run_ns, control);
             }
         }
     }
@@ -351,6 +359,16 @@ impl Film {
             self.maps.push(run_ns, patch);
         }
     }
+}
+
+/// A command, and the request that it rests on once that was heard.
+#[derive(Debug, Clone, Copy)]
+struct Early {
+    run_ns: u64,
+    /// Of the request; 0 = it rests on none.
+    id: u64,
+    request: Option<VelocityRequest>,
+    command: VelocityCommand,
 }
 
 /// Adds the newest to what is remembered.

@@ -72,7 +72,8 @@ impl Programs {
         let text = text.map_err(|error| format!("{}: {error}", config.display()))?;
         let keys: toml::Table = table(&program.keys)?;
         // Where the map lies, and how large it is, each host knows for itself.
-        if let Some(key) = GIVEN.iter().find(|key| keys.contains_key(**key)) {
+        let given = GIVEN.iter().filter(|_| role == Role::Mapping);
+        if let Some(key) = given.into_iter().find(|key| keys.contains_key(**key)) {
             return Err(format!("{key} is not set from another host"));
         }
         let table = merged(table(&text)?, role, binary == office, keys);

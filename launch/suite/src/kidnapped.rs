@@ -177,6 +177,7 @@ fn case(setup: &Setup<'_>, world: &WorldFile, [start, goal]: &[Pose; 2]) -> Resu
 /// The services' configuration: what mapping is told of the pose. Odometry begins at the true one.
 fn told(start: &Pose, class: usize) -> Table {
     let mut localisation = Table::new();
+    // Who is told nothing has it, too: without it odometry, which begins at the true pose, would give that away.
     let told = start.then(&TOLD);
     let map_from_odom = Pose::from(told.isometry() * start.isometry().inverse());
     if class == 0 {
@@ -195,6 +196,59 @@ fn told(start: &Pose, class: usize) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::noise::Noise;
+    use std::path::PathBuf;
+    use zeronav_scenario::ForesightSpec;
+    use zeronav_scenario::settings::Settings;
+
+    fn plan(worlds: Range<u32>) -> SuitePlan {
+        SuitePlan {
+            suite: "kidnapped".to_owned(),
+            resume: None,
+            controller: None,
+            settings: Settings::default(),
+            bound: false,
+            seeds: 1,
+            worlds: Some(worlds),
+            noise: Noise::Default,
+            foresight: ForesightSpec::default(),
+            data: Some(PathBuf::from(concat!(
+                env!("CARGO_MANIFEST_DIR"),
+                "/../../tests/data"
+            ))),
+            hours: None,
+            shard: None,
+            jobs: None,
+            progress: false,
+            out: PathBuf::new(),
+        }
+    }
+
+    #[test]
+    fn worlds_are_numbered_by_map_and_robot_and_drawn_from_their_number() {
+        let border = worlds(&plan(38..42)).unwrap();
+        let names: Vec<&str> = border.iter().map(|world| world.name.as_str()).collect();
+        let expected = [
+            "rooms_negative_38",
+            "rooms_negative_39",
+            "rooms_p2_00",
+            "rooms_p2_01",
+        ];
+        assert_eq!(names, expected);
+        assert!(worlds(&plan(160..170)).is_err());
+        let map = map_file::load(&border[0].file).unwrap().map;
+        let room = map.largest_room(ROOM_M);
+        for world in &worlds(&plan(0..40)).unwrap() {
+            let [start, goal] = drawn(world, &map, &room);
+            assert_eq!(drawn(world, &map, &room), [start, goal]);
+            let away_m = goal.distance_m(&start);
+            if is_told_wrong(world) {
+                assert!(AWAY_M.contains(&away_m), "{}: {away_m} m", world.name);
+            } else {
+                assert_eq!(goal, start);
+            }
+        }
+    }
 
     #[test]
     fn half_of_the_robots_are_told_that_they_are_ahead_and_face_the_other_way() {

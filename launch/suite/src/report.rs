@@ -207,6 +207,16 @@ impl Report {
                 self.summary.wrong_arrivals
             );
         }
+        if Kind::of(&self.suite) == Kind::Kidnapped {
+            let of = |value: Option<f64>| value.unwrap_or(0.0);
+            let _ = writeln!(
+                text,
+                "\n  wrong and certain {}; pose errors of those who were found at most {:.3} m and {:.4} rad",
+                self.summary.wrong_arrivals,
+                of(self.summary.pose_error_m_max),
+                of(self.summary.pose_error_rad_max)
+            );
+        }
         self.write_not_reproducible(&mut text);
         if let Some(soak) = &self.soak {
             soak.write(&mut text);

@@ -25,22 +25,22 @@
 mod around;
 mod bounds;
 mod change;
-mod cost_increased;
 pub(crate) mod detours;
 mod eased_box;
 mod node;
 mod open_list;
 mod prices;
 mod raise;
+mod raise_state;
 mod run;
 mod upkeep;
 
 use bounds::Bounds;
-use cost_increased::Raise;
 use eased_box::EasedBox;
 use node::{GENERATION_MAX, NO_WAY, Node, STEP_MASK, STEP_SHIFT, Spot};
 use open_list::HeapQueue;
 use prices::Prices;
+use raise_state::Raise;
 use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED, Within};
 
 use crate::bucket_queue::BucketQueue;

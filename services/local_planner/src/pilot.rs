@@ -1,7 +1,7 @@
 //! What all controllers have in common, those of the papers too: arriving, verifying the stop, and
 //! the command.
 //!
-//! A [`Pilot`] asks its chooser for a output (`pilot/scene.rs`, one method) and publishes the
+//! A [`Pilot`] asks its chooser for an output (`pilot/scene.rs`, one method) and publishes the
 //! part of the way towards it that one control period allows:
 //!
 //! - **What is published is checked itself**: hold the twist for the reaction time, then ramp to
@@ -238,7 +238,7 @@ impl Pilot {
         decision
     }
 
-    /// What may be gone towards for a output, best first.
+    /// What may be gone towards for an output, best first.
     fn candidates(&self, wanted: Twist) -> impl Iterator<Item = Twist> {
         let slowed = Twist::new(0.0, wanted.w_radps);
         let others = self.memory.reserve.iter().map(|(_, twist)| *twist);
@@ -275,7 +275,7 @@ impl Pilot {
             }
             _ => None,
         };
-        // A output of the arrival or of a turn is one motion, and no rollout.
+        // An output of the arrival or of a turn is one motion, and no rollout.
         self.end_record(situation, (from, picked), self.memory.rollouts.max(1));
     }
 

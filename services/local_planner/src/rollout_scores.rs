@@ -68,7 +68,7 @@ impl Terms {
 
 /// An evaluation of rollouts of one speed.
 pub(crate) trait Evaluate: Copy {
-    /// The terms of a rollout's worth. `collision_cost` is how bad it is what it touches that moves, from 0
+    /// The terms of a rollout's worth. `collision_cost` is the cost of a predicted collision, from 0
     /// to 1.
     fn terms(&self, w_radps: f64, outcome: &Outcome, collision_cost: f64) -> Terms;
 

@@ -7,8 +7,8 @@
 //! |---|---|---|
 //! | deskew | [`beams`] | beams in `base` at the time of capture |
 //! | localise | [`localiser`]; `scan_odometry`, `near_points`, `slip`: against a key scan; `scan_match`, `hit_means`, `scan_search`, `surface_candidates`: against the map; `pose_error` | `map_from_odom` with its covariance |
-//! | relocalise | `lost`, `explained`: whether the robot is lost; `relocaliser`, `global_search`, `search_map`: where on the map it is; [`localisation`] | the pose of a robot that did not know it |
-//! | track | [`tracker`]; `clusters`, `fit`, `form`: what was seen; `track`, `kalman`: what is known of it; `past_scans`: whether it moved; `ground_truth`: what the simulator says instead | dynamic obstacles |
+//! | relocalise | `lost`, `explained`: whether the robot is lost; `relocaliser`, `places`, `global_search`, `search_map`: where on the map it is; [`localisation`] | the pose of a robot that did not know it |
+//! | track | [`tracker`]; `clusters`, `fit`, `form`: what was seen; `track`, `kalman`: what is known of it; `past_scans`: whether it moved; `true_motion`: what the simulator says instead | dynamic obstacles |
 //! | decide | `belief`, `log_odds`, `flips`; `located_scan`, [`ray`], `free_blocks`: which cells beams pass; `isolated`: false returns; `outline`: the cells under the robot | which cells are obstacles |
 //! | measure | [`clearance`]; `cell_value`: costs | clearance and cost of every cell |
 //! | flag | [`regularise`], [`virtual_obstacles`] | cells that some planners avoid |
@@ -34,7 +34,6 @@ mod flips;
 mod form;
 mod free_blocks;
 mod global_search;
-mod ground_truth;
 mod hit_means;
 mod isolated;
 mod kalman;
@@ -64,15 +63,16 @@ mod surface_candidates;
 mod tiles;
 mod track;
 pub mod tracker;
+mod true_motion;
 pub mod virtual_obstacles;
 pub mod window;
 
 pub use config::MappingConfig;
 pub use error::MappingError;
 pub use flips::Integrated;
-pub use ground_truth::GroundTruth;
 pub use log_odds::LogOdds;
 pub use mapper::Mapper;
 pub use mapping::{Mapping, Observation};
 pub use relocaliser::Sought;
 pub use tiles::{TileIndex, all_tiles};
+pub use true_motion::TrueMotion;

@@ -5,7 +5,6 @@ use crate::beams::{Beam, Beams, End, Sweep};
 use crate::config::MappingConfig;
 use crate::error::MappingError;
 use crate::flips::Integrated;
-use crate::ground_truth::GroundTruth;
 use crate::localisation::StartPose;
 use crate::localiser::{Localiser, OdometryAt};
 use crate::located_scan::LocatedScan;
@@ -15,6 +14,7 @@ use crate::outline::Outline;
 use crate::relocaliser::{Relocaliser, Sight, Sought, Step};
 use crate::slip::Ends;
 use crate::tracker::{ScanView, Tracker};
+use crate::true_motion::TrueMotion;
 use nalgebra::{Matrix3, Point2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::{Corner, Description};
@@ -50,7 +50,7 @@ pub struct Observation<'a> {
     /// Where the robot is going, in the map.
     pub goal: Option<Point2<f64>>,
     /// What moves, when that is told instead of tracked.
-    pub told: Option<GroundTruth<'a>>,
+    pub told: Option<TrueMotion<'a>>,
 }
 
 /// The map and everything that is followed on it.

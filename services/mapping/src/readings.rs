@@ -1,6 +1,6 @@
 //! What mapping reads, and the observation that a scan makes with the odometry around it.
 
-use zeronav_mapping::{GroundTruth, Observation};
+use zeronav_mapping::{Observation, TrueMotion};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::health::{REASON_ODOMETRY, REASON_SCAN};
 use zeronav_msgs::pose::Pose;
@@ -167,7 +167,7 @@ impl Readings {
                 .foresight
                 .as_ref()
                 .and_then(Latest::get)
-                .map(|view| GroundTruth {
+                .map(|view| TrueMotion {
                     pose: view.meta.pose,
                     obstacles: view.items,
                 }),

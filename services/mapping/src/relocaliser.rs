@@ -342,7 +342,6 @@ impl Relocaliser {
         #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
         if (ends.len() as f64) < EXPLAINS.1 {
             // It is tried with the next scan.
-            self.stage = Stage::Begin;
             return;
         }
         let (mapper, room_m) = (sight.mapper, self.room_m);

@@ -20,7 +20,7 @@ pub struct Obstacle {
     form: Convex,
     /// Where it appears, `map_from_shape`.
     start: Pose,
-    way: Motion,
+    way: ObstacleMotion,
     appears: Latch,
     lasts_ns: Option<u64>,
     /// The newest placement: its `from_run_ns` and its pose.
@@ -31,7 +31,7 @@ pub struct Obstacle {
 
 /// How it moves.
 #[derive(Debug, Clone)]
-enum Motion {
+enum ObstacleMotion {
     /// Not at all, or along waypoints.
     Walk(Route),
     /// Straight, and off what it meets.
@@ -82,12 +82,12 @@ impl Obstacle {
                 .form()
                 .as_ball()
                 .map_or(0.0, |ball| ball.radius);
-            Motion::Bounce(Bounce::new(start.point(), velocity_mps.into(), radius_m))
+            ObstacleMotion::Bounce(Bounce::new(start.point(), velocity_mps.into(), radius_m))
         } else if spec.track.is_empty() {
             let (from, speed_mps) = (start.point(), spec.speed_mps);
-            Motion::Walk(Route::new(from, &spec.waypoints_m, speed_mps, spec.repeat))
+            ObstacleMotion::Walk(Route::new(from, &spec.waypoints_m, speed_mps, spec.repeat))
         } else {
-            Motion::Play(Track::new(&spec.track, spec.repeat, spec.track_from_s))
+            ObstacleMotion::Play(Track::new(&spec.track, spec.repeat, spec.track_from_s))
         };
         Self {
             form: obstacle.shape.form().clone(),
@@ -109,7 +109,7 @@ impl Obstacle {
         Self {
             form,
             start: Pose::default(),
-            way: Motion::Walk(Route::new(Point2::origin(), &[], 0.0, false)),
+            way: ObstacleMotion::Walk(Route::new(Point2::origin(), &[], 0.0, false)),
             appears: Latch {
                 near: None,
                 run_ns: Some(u64::MAX),
@@ -132,7 +132,7 @@ impl Obstacle {
         if self.placed_from != Some((from_run_ns, pose)) {
             self.placed_from = Some((from_run_ns, pose));
             self.start = Pose::new(pose.x_m, pose.y_m, wrap_angle(pose.yaw_rad));
-            self.way = Motion::Walk(Route::new(self.start.point(), &[], 0.0, false));
+            self.way = ObstacleMotion::Walk(Route::new(self.start.point(), &[], 0.0, false));
             self.starts = None;
             self.appears = Latch {
                 near: None,
@@ -155,7 +155,7 @@ impl Obstacle {
     /// asked about its pose up to there, and back for as long as the slowest lidar turns.
     pub fn look_ahead(&mut self, world: &World, run_ns: u64) {
         let moved_s = self.moved_s(run_ns);
-        if let Motion::Bounce(bounce) = &mut self.way {
+        if let ObstacleMotion::Bounce(bounce) = &mut self.way {
             bounce.look_ahead(world, moved_s);
         }
     }
@@ -186,7 +186,7 @@ impl Obstacle {
             return Some(appears_ns);
         }
         let from_ns = self.moves_from_run_ns()?;
-        let Motion::Play(track) = &self.way else {
+        let ObstacleMotion::Play(track) = &self.way else {
             return None;
         };
         let moved_s = self.moved_s(run_ns);
@@ -210,9 +210,9 @@ impl Obstacle {
     pub fn pose_at(&self, run_ns: u64) -> Pose {
         let moved_s = self.moved_s(run_ns);
         let at = match &self.way {
-            Motion::Walk(route) => route.at(moved_s),
-            Motion::Bounce(bounce) => bounce.at(moved_s),
-            Motion::Play(track) => track.at(moved_s),
+            ObstacleMotion::Walk(route) => route.at(moved_s),
+            ObstacleMotion::Bounce(bounce) => bounce.at(moved_s),
+            ObstacleMotion::Play(track) => track.at(moved_s),
         };
         Pose::new(at.x, at.y, self.start.yaw_rad)
     }
@@ -221,9 +221,9 @@ impl Obstacle {
     #[must_use]
     pub fn speed_mps(&self) -> f64 {
         match &self.way {
-            Motion::Walk(route) => route.speed_mps,
-            Motion::Bounce(bounce) => bounce.speed_mps(),
-            Motion::Play(track) => track.speed_mps_max(),
+            ObstacleMotion::Walk(route) => route.speed_mps,
+            ObstacleMotion::Bounce(bounce) => bounce.speed_mps(),
+            ObstacleMotion::Play(track) => track.speed_mps_max(),
         }
     }
 
@@ -253,9 +253,9 @@ impl Obstacle {
 struct Route {
     /// The point where it begins, then the waypoints, then, to repeat, the first waypoint again.
     points: Vec<Point2<f64>>,
-    /// Motion from the beginning to each point. [m]
+    /// Distance along the route from its start to each point. [m]
     at_m: Vec<f64>,
-    /// Motion from the beginning to the first waypoint, where a repeated round begins. [m]
+    /// Distance along the route from its start to the first waypoint, where a repeated round begins. [m]
     lead_m: f64,
     /// Length of a round that repeats; `None` when the walk ends at the last waypoint. [m]
     round_m: Option<f64>,

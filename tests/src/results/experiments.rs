@@ -1,4 +1,5 @@
 //! What is measured: one row per experiment. A figure in a README is one of these or none.
+// long: a row for each experiment
 
 use super::bench::{Bench, Measured};
 use super::printed::{mapping_scale, planner_replan, with_data};

@@ -1,7 +1,9 @@
 //! A robot that is not where the stack takes it to be is told where it is, on the real processes.
 
 use serde_json::Value;
+use std::path::Path;
 use tempfile::TempDir;
+use zeronav_tests::leftovers;
 use zeronav_tests::up::Up;
 
 /// A robot that is told before the drive that it is somewhere else.
@@ -144,4 +146,81 @@ fn poses_where_the_robot_cannot_be_are_rejected_and_change_nothing() {
     let after = off(&up.status()).expect("poses");
     assert!((before[0] - after[0]).abs() < 0.3, "{before:?} {after:?}");
     let _ = up.down();
+}
+
+/// Brings up a stack whose runs are in `runs`.
+fn start_beside(runs: &TempDir, text: &str, more: &[&str]) -> Up {
+    let folder = TempDir::new().expect("a folder");
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    let runs = runs.path().to_str().expect("a path");
+    Up::start_in(
+        folder,
+        &[&["./it.toml", "--lockstep", "--out", runs], more].concat(),
+    )
+}
+
+#[test]
+fn a_stack_goes_on_where_the_last_one_was_left() {
+    let runs = TempDir::new().expect("a folder");
+    let file = runs.path().join("last-pose-it.json");
+    let mut up = start_beside(&runs, ROOMS, &["--resume-pose"]);
+    await_located(&mut up, "nothing was saved: it is where the scenario says");
+    let [x, y, yaw] = ELSEWHERE;
+    let lines = up.lines(&["goal", x, y, yaw, "--wait"], 0);
+    assert_eq!(lines.last().expect("a line")["outcome"], "reached");
+    let left = pose(&up.status(), "pose").expect("a true pose");
+    up.down();
+    let text = std::fs::read_to_string(&file).expect("the last pose");
+    let saved: Value = serde_json::from_str(&text).expect("JSON");
+    let saved = pose(&saved, "pose").expect("a pose");
+    let off_m = (saved[0] - left[0]).hypot(saved[1] - left[1]);
+    assert!(off_m < 0.1, "{saved:?}, not {left:?}");
+
+    // It stands there, is told that it is 2 m away, and does not notice that by itself.
+    let wrong = format!(
+        "{}[services.mapping.config.localisation]\nlost_below = 0.0\nmap_from_odom = [2.0, 0.0, 0.0]\n",
+        ROOMS.replace("[1.5, 4.5, 0.0]", &format!("{left:?}"))
+    );
+    let mut up = start_beside(&runs, &wrong, &["--resume-pose"]);
+    await_located(&mut up, "it is where the last one was left");
+    up.down();
+    let place = |x_m: f64| format!("{{\"map\":{},\"pose\":[{x_m},0.0,0.0]}}", map_of(&text));
+    for (text, why) in [
+        (
+            text.replace("\"map\":\"", "\"map\":\"0"),
+            "is of another map",
+        ),
+        ("{\"pose\": [1".to_owned(), "EOF while parsing"),
+        (place(1.0e3), "is not on the map"),
+    ] {
+        std::fs::write(&file, &text).expect("written");
+        let mut up = start_beside(&runs, &wrong, &["--resume-pose"]);
+        up.stack.wait_until("it is told as always", |stack| {
+            let report = stack.report().unwrap_or_default();
+            let time_s = report["time_s"].as_f64().unwrap_or_default();
+            time_s > 2.0 && off(&report).is_some_and(|[place_m, _]| (1.5..2.5).contains(&place_m))
+        });
+        let root = up.root.clone();
+        let said = up.ask(&["down"], 0);
+        assert!(said.contains("is down"), "{said}");
+        let ended = up.stack.finish();
+        let line = ended
+            .stderr
+            .lines()
+            .find(|line| line.contains("no pose is resumed"));
+        assert!(
+            line.is_some_and(|line| line.contains(why)),
+            "{}",
+            ended.stderr
+        );
+        assert!(leftovers(Path::new(&root)).is_empty());
+        // It has not moved: what it was told is no news.
+        assert_eq!(std::fs::read_to_string(&file).expect("the file"), text);
+    }
+}
+
+/// The map of a file, in quotes.
+fn map_of(text: &str) -> String {
+    let saved: Value = serde_json::from_str(text).expect("JSON");
+    saved["map"].to_string()
 }

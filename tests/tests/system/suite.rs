@@ -449,7 +449,10 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
     let report = zeronav(&arguments).expect(0);
     let runs = report["runs"].as_array().expect("runs");
     // The rooms are alike in places: who stands there cannot know which of them it is.
-    assert_eq!(report["summary"]["wrong_arrivals"], 0, "{report:#}");
+    let told_nothing = runs.iter().filter(|run| run["class"] == "told_nothing");
+    for run in told_nothing {
+        assert_eq!(run["wrong_arrival"], false, "{run:#}");
+    }
     for class in ["told_nothing", "told_wrong"] {
         let found = |run: &&Value| run["class"] == class && run["success"] == true;
         assert!(runs.iter().any(|run| found(&run)), "{class}: {report:#}");

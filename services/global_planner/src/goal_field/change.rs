@@ -64,12 +64,7 @@ impl GoalField {
             }
         }
         // More than a repair could ever be worth: it is not kept for one.
-        if self
-            .cost_decreased
-            .len()
-            .max(self.raise.cost_increased.len())
-            > self.nodes.len()
-        {
+        if self.cost_decreased.len().max(self.raise.to_check.len()) > self.nodes.len() {
             self.state = State::Missing;
             self.forget_eased();
         }

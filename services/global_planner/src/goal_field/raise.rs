@@ -9,9 +9,9 @@
 //! together.
 
 use super::GoalField;
-use super::cost_increased::{item, parts};
 use super::node::{NO_WAY, Spot};
 use super::prices::{BLOCKED, is_blocked};
+use super::raise_state::{item, parts};
 
 impl GoalField {
     /// Work of about `expansions` expansions; true when more is left.
@@ -25,12 +25,12 @@ impl GoalField {
             left -= 1;
             // What rises while bounds are found for the lost cells waits: those found are then too
             // low, but bounds all the same.
-            let cost_increased = if self.raise.offered.is_none() {
-                self.raise.cost_increased.pop()
+            let next = if self.raise.offered.is_none() {
+                self.raise.to_check.pop()
             } else {
                 None
             };
-            if let Some(spot) = cost_increased {
+            if let Some(spot) = next {
                 self.suspect(spot);
                 for offset in self.offsets {
                     self.suspect(spot.wrapping_add(offset));

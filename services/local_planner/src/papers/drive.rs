@@ -1,4 +1,4 @@
-//! From the direction of a law to a output of the pilot.
+//! From the direction of a law to an output of the pilot.
 //!
 //! As the paper notes define it: `v = v_max max(0, cos err)`, `w = clamp(2 err)`. `yield`: the speed
 //! is scaled by `min(1, TTC / 2 s)`. The pilot brings the robot to the goal's pose, keeps to the
@@ -34,7 +34,7 @@ const RANGE_M: f64 = 3.0;
 /// How far from the robot a body is that keeps it from its goal, at most. [m]
 const AGAINST_M: f64 = 1.5;
 
-/// Shares of a output's speed that are tried when it is not free.
+/// Shares of an output's speed that are tried when it is not free.
 const SLOWER: [f64; 2] = [0.5, 0.2];
 
 /// A controller that goes where `law` says. `literal` = obstacles are points.

@@ -1,4 +1,4 @@
-//! The seam between the pilot and its choosers: from a scene to a output.
+//! The seam between the pilot and its choosers: from a scene to an output.
 
 use super::limit::Limit;
 use super::perception::{Perception, horizon_s};

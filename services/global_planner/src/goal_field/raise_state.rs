@@ -40,7 +40,7 @@ impl Marks {
 #[derive(Debug, Default)]
 pub(super) struct Raise {
     /// Cells whose price or bound rose, and those that became cheaper, until looked at.
-    pub(super) cost_increased: Vec<Spot>,
+    pub(super) to_check: Vec<Spot>,
     /// A cell became cheaper.
     pub(super) cost_decreased: bool,
     /// Cells that may have lost every cheapest way, by what is left from them.
@@ -68,7 +68,7 @@ impl Raise {
 
     /// Forgets all cells.
     pub(super) fn clear(&mut self) {
-        self.cost_increased.clear();
+        self.to_check.clear();
         self.cost_decreased = false;
         self.found.clear();
         for suspect in self.suspects.drain() {
@@ -83,15 +83,15 @@ impl Raise {
 
     #[inline]
     pub(super) fn note(&mut self, spot: Spot) {
-        self.cost_increased.push(spot);
+        self.to_check.push(spot);
     }
 
     pub(super) fn is_idle(&self) -> bool {
-        self.cost_increased.is_empty() && self.suspects.is_empty() && self.lost.is_empty()
+        self.to_check.is_empty() && self.suspects.is_empty() && self.lost.is_empty()
     }
 
     pub(super) fn bytes(&self) -> usize {
-        (self.cost_increased.capacity() + self.lost.capacity()) * size_of::<Spot>()
+        (self.to_check.capacity() + self.lost.capacity()) * size_of::<Spot>()
             + self.found.capacity() * size_of::<(Spot, u32)>()
             + (self.suspects.capacity() + self.front.capacity()) * size_of::<Reverse<u64>>()
             + (self.suspected.0.capacity() + self.is_lost.0.capacity()) * size_of::<u64>()

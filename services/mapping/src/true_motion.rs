@@ -10,14 +10,14 @@ use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
 /// What moves at the capture of a scan.
 #[derive(Debug, Clone, Copy)]
-pub struct GroundTruth<'a> {
+pub struct TrueMotion<'a> {
     /// True `map_from_base` then.
     pub pose: Pose,
     /// What moves, in the true map.
     pub obstacles: &'a [Foreseen],
 }
 
-impl GroundTruth<'_> {
+impl TrueMotion<'_> {
     /// Makes the tracks those that are told. The robot is not quite where it thinks it is: what moves
     /// lies around it as it really does.
     pub(crate) fn teach(&self, tracker: &mut Tracker, view: &ScanView<'_>) {
@@ -83,7 +83,7 @@ mod tests {
             run_ns,
             yaw_variance: 0.0,
         };
-        let told = GroundTruth {
+        let told = TrueMotion {
             pose: truth,
             obstacles,
         };
