@@ -42,7 +42,7 @@ pub fn binaries() -> &'static Path {
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         // With an example cargo counts in what only tests depend on, as `cargo test --workspace`
         // does: its build of all dependencies serves this one, too.
-        let status = Command::new(cargo)
+        let status = from_a_shell(Command::new(cargo))
             .args(["build", "--quiet", "--workspace", "--bins", "--lib"])
             .args(EXAMPLES.map(|name| format!("--example={name}")))
             .args(["--profile", profile])
@@ -79,8 +79,22 @@ pub(crate) fn background_command() -> Command {
 /// A command that takes the processor time that others leave.
 #[must_use]
 pub fn background(program: impl AsRef<OsStr>) -> Command {
-    let mut command = Command::new("nice");
+    let mut command = from_a_shell(Command::new("nice"));
     command.args(["-n", "19"]).arg(program);
+    command
+}
+
+/// Without the variables that cargo sets for the package of a test. Build scripts of dependencies look at some of them, so
+/// that cargo would build these dependencies again, and once more when it is called from a shell.
+fn from_a_shell(mut command: Command) -> Command {
+    let of_package = |name: &str| {
+        name == "OUT_DIR" || name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_")
+    };
+    for (name, _) in std::env::vars_os() {
+        if name.to_str().is_some_and(of_package) {
+            command.env_remove(name);
+        }
+    }
     command
 }
 
