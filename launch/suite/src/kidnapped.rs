@@ -29,8 +29,8 @@ const TIME_LIMIT_S: [f64; 2] = [10.0, 60.0];
 /// How near to its goal it must think itself to be. [m]
 const TOLERANCE_M: f64 = 0.25;
 
-/// How far away the goal of a robot is that is told something wrong, where the room has such a place: it has noticed
-/// before it arrives. [m]
+/// How far away the goal of a robot is that is told something wrong, so that it has time to notice; the farthest place
+/// that was drawn where none is so far. [m]
 const AWAY_M: Range<f64> = 5.0..12.0;
 
 /// A pose that is farther off is that of another place. [m, rad]
@@ -196,31 +196,13 @@ fn told(start: &Pose, class: usize) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
-    use std::path::PathBuf;
-    use zeronav_scenario::ForesightSpec;
-    use zeronav_scenario::settings::Settings;
 
     fn plan(worlds: Range<u32>) -> SuitePlan {
+        let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data");
         SuitePlan {
-            suite: "kidnapped".to_owned(),
-            resume: None,
-            controller: None,
-            settings: Settings::default(),
-            bound: false,
-            seeds: 1,
             worlds: Some(worlds),
-            noise: Noise::Default,
-            foresight: ForesightSpec::default(),
-            data: Some(PathBuf::from(concat!(
-                env!("CARGO_MANIFEST_DIR"),
-                "/../../tests/data"
-            ))),
-            hours: None,
-            shard: None,
-            jobs: None,
-            progress: false,
-            out: PathBuf::new(),
+            data: Some(data.into()),
+            ..SuitePlan::of("kidnapped")
         }
     }
 

@@ -44,6 +44,30 @@ pub struct SuitePlan {
     pub out: PathBuf,
 }
 
+#[cfg(test)]
+impl SuitePlan {
+    /// A suite with nothing asked for, in the working folder.
+    pub(super) fn of(suite: &str) -> Self {
+        Self {
+            suite: suite.to_owned(),
+            resume: None,
+            controller: None,
+            settings: Settings::default(),
+            bound: false,
+            seeds: 1,
+            worlds: None,
+            noise: Noise::Default,
+            foresight: ForesightSpec::default(),
+            data: None,
+            shard: None,
+            hours: None,
+            jobs: None,
+            progress: false,
+            out: PathBuf::new(),
+        }
+    }
+}
+
 /// What all cases of a suite have in common.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Setup<'a> {

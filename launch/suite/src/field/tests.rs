@@ -1,30 +1,9 @@
 use super::super::plan::SuitePlan;
 use super::*;
-use zeronav_scenario::ForesightSpec;
-
-fn plan() -> SuitePlan {
-    SuitePlan {
-        suite: "field".to_owned(),
-        resume: None,
-        controller: None,
-        settings: zeronav_scenario::settings::Settings::default(),
-        bound: false,
-        seeds: 1,
-        worlds: None,
-        noise: noise::Noise::Default,
-        foresight: ForesightSpec::default(),
-        data: None,
-        hours: None,
-        shard: None,
-        jobs: None,
-        progress: false,
-        out: PathBuf::new(),
-    }
-}
 
 #[test]
 fn every_world_is_a_scenario_and_the_same_one_again() {
-    let worlds = worlds(&plan());
+    let worlds = worlds(&SuitePlan::of("field"));
     assert_eq!(worlds.len(), 432);
     let folder = tempfile::tempdir().unwrap();
     for world in worlds {

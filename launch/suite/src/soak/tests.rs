@@ -1,6 +1,5 @@
 use super::super::case::Case;
 use super::super::journal::{Journal, Order};
-use super::super::noise::Noise;
 use super::super::plan::{Setup, SuitePlan};
 use super::super::soaked::Soaked;
 use super::super::soaked::verdict::{End, SoakReport, Totals, Verdict};
@@ -13,21 +12,9 @@ use zeronav_scenario::{ForesightSpec, KINDS, Scenario, mortals};
 
 fn plan(out: &tempfile::TempDir) -> SuitePlan {
     SuitePlan {
-        suite: "soak".to_owned(),
-        resume: None,
-        controller: None,
-        settings: zeronav_scenario::settings::Settings::default(),
-        bound: false,
-        seeds: 1,
-        worlds: None,
-        noise: Noise::Default,
-        foresight: ForesightSpec::default(),
-        data: None,
         hours: Some(2.0),
-        shard: None,
-        jobs: None,
-        progress: false,
         out: out.path().to_owned(),
+        ..SuitePlan::of("soak")
     }
 }
 
