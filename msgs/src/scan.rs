@@ -2,6 +2,7 @@
 
 use crate::message;
 use crate::message::{Refusal, ZeroCopySend, ensure, number};
+use nalgebra::Vector2;
 
 /// Most beams of a scan.
 pub const BEAMS_MAX: usize = 4096;
@@ -81,5 +82,44 @@ impl Scan {
             !ranges.iter().any(|range| *range < 0.0),
             Refusal::OutOfRange("ranges"),
         )
+    }
+}
+
+/// Directions of a lidar's beams, which do not change from scan to scan: sines and cosines are the dearest part of a small
+/// scan.
+#[derive(Debug, Clone, Default)]
+pub struct BeamDirections {
+    /// Number of beams, first angle and increment.
+    of: (u32, u32, u32),
+    directions: Vec<Vector2<f64>>,
+}
+
+impl BeamDirections {
+    /// Room for any scan, so that none needs memory.
+    #[must_use]
+    pub fn with_capacity() -> Self {
+        Self {
+            directions: Vec::with_capacity(BEAMS_MAX),
+            ..Self::default()
+        }
+    }
+
+    /// Of the beams of a scan, [`BEAMS_MAX`] at most: in the `laser` frame, of length 1.
+    pub fn of(&mut self, scan: &Scan) -> &[Vector2<f64>] {
+        let of = (
+            scan.n_beams,
+            scan.angle_min_rad.to_bits(),
+            scan.angle_increment_rad.to_bits(),
+        );
+        if self.of != of {
+            self.of = of;
+            self.directions.clear();
+            let n_beams = (scan.n_beams as usize).min(BEAMS_MAX);
+            self.directions.extend((0..n_beams).map(|beam| {
+                let (sin, cos) = scan.angle_of(beam).sin_cos();
+                Vector2::new(cos, sin)
+            }));
+        }
+        &self.directions
     }
 }

@@ -136,6 +136,11 @@ impl Looked {
         self.thin.clear();
     }
 
+    /// From now on tells nothing of what other scans show.
+    pub(crate) fn distrust(&mut self) {
+        self.of = None;
+    }
+
     /// Begins with a scan; the beams' ends follow with [`Self::push`], in their order, then [`Self::end`].
     pub(crate) fn begin(&mut self, scan: &Scan, ranges: &[f32], stance: Stance) {
         self.clear();
@@ -156,12 +161,34 @@ impl Looked {
         #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
         let beams_rad = self.ends.len() as f64 * self.step_rad;
         self.is_round = (beams_rad - TAU).abs() < self.step_rad;
-        for beam in 0..self.ends.len() {
-            let beside = [-1, 1].map(|offset| self.is_near(beam, offset));
+        let n = self.ends.len();
+        // Neighbouring beams are compared once. Not a number = one of them hit nothing.
+        let apart = |one: usize, other: usize| (self.ends[other] - self.ends[one]).norm_squared();
+        let wraps = self.is_round && n > 1;
+        let ends_meet = if wraps { apart(n - 1, 0) } else { f64::NAN };
+        let mut squared_before = ends_meet;
+        for beam in 0..n {
+            let is_last = beam + 1 == n;
+            let squared_after = if is_last {
+                ends_meet
+            } else {
+                apart(beam, beam + 1)
+            };
+            let answered = |is_outside: bool, other: usize| {
+                (!is_outside || wraps) && self.ranges.get(other).is_some_and(|m| !m.is_nan())
+            };
+            let within_m = SAME_M + BESIDE_BEAMS * self.apart_m(beam);
+            let is_near = |squared: f64| squared <= within_m * within_m;
+            let (before, after) = ((beam + n - 1) % n, (beam + 1) % n);
+            let beside = [
+                answered(beam == 0, before).then(|| is_near(squared_before)),
+                answered(is_last, after).then(|| is_near(squared_after)),
+            ];
             self.beside.push(beside);
-            if beside != [Some(true); 2] {
-                self.thin.extend(self.hit(beam));
+            if beside != [Some(true); 2] && self.ends[beam].x.is_finite() {
+                self.thin.push(self.ends[beam]);
             }
+            squared_before = squared_after;
         }
     }
 
@@ -233,10 +260,7 @@ impl Looked {
     fn is_near(&self, beam: usize, offset: i32) -> Option<bool> {
         let other = self.index(i32::try_from(beam).ok()?.checked_add(offset)?)?;
         let within_m = SAME_M + BESIDE_BEAMS * self.apart_m(beam);
-        let answered = self
-            .ranges
-            .get(other)
-            .is_some_and(|range_m| !range_m.is_nan());
+        let answered = !self.ranges.get(other)?.is_nan();
         // Not a number = it hit nothing.
         answered.then(|| (self.ends[other] - self.ends[beam]).norm_squared() <= within_m * within_m)
     }

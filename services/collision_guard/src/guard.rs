@@ -136,9 +136,7 @@ impl Guard {
     pub fn decide(&mut self, inputs: &GuardInputs<'_>) -> VelocityCommand {
         self.decider = None;
         self.had_request |= inputs.request.is_some();
-        self.describe(inputs.robot);
-        self.take_odometry(inputs);
-        self.take_scan(inputs);
+        self.take_in(inputs);
         let odometry_ns = inputs.odometry.as_ref().map(|input| input.run_ns);
         self.in_flight.begin(odometry_ns, inputs.period_ns);
         let limits = self.described.as_ref().map(|(_, limits, _)| *limits);
@@ -171,6 +169,14 @@ impl Guard {
         };
         let description = self.described.as_ref().map(|(description, ..)| description);
         explained(command, self.decider, description)
+    }
+
+    /// Takes in robot, odometry and scan, as far as they are new. [`Self::decide`] does so, too: what has come before the
+    /// request is out of its way.
+    pub fn take_in(&mut self, inputs: &GuardInputs<'_>) {
+        self.describe(inputs.robot);
+        self.take_odometry(inputs);
+        self.take_scan(inputs);
     }
 
     /// Takes in the robot; its outline is prepared again only when it changed.

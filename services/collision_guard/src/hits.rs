@@ -68,15 +68,29 @@ impl Hits {
         }
     }
 
-    /// Takes these instead of all that were there.
-    pub(crate) fn refill(&mut self, hits: impl Iterator<Item = Vector2<f64>>) {
+    /// Nothing is there. Others follow with [`Self::push`], in their order, then [`Self::close`].
+    pub(crate) fn clear(&mut self) {
         self.runs.clear();
-        for hit in hits {
-            if !self.runs.last_mut().is_some_and(|run| run.takes(hit)) {
-                self.runs.push(Run::of(hit));
-            }
+    }
+
+    /// Takes in another one.
+    pub(crate) fn push(&mut self, hit: Vector2<f64>) {
+        if !self.runs.last_mut().is_some_and(|run| run.takes(hit)) {
+            self.runs.push(Run::of(hit));
         }
+    }
+
+    /// All are there.
+    pub(crate) fn close(&mut self) {
         self.runs.iter_mut().for_each(Run::close);
+    }
+
+    /// Takes these instead of all that were there.
+    #[cfg(test)]
+    pub(crate) fn refill(&mut self, hits: impl Iterator<Item = Vector2<f64>>) {
+        self.clear();
+        hits.for_each(|hit| self.push(hit));
+        self.close();
     }
 
     /// One by one.

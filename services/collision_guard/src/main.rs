@@ -58,6 +58,9 @@ impl Service for GuardService {
         for due in shell.due(&trigger) {
             self.answer(shell, due);
         }
+        if let Some(inputs) = self.readings.ahead(shell) {
+            self.guard.take_in(&inputs);
+        }
         Ok(())
     }
 

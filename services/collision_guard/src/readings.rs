@@ -18,6 +18,8 @@ pub(crate) struct Readings {
     pub(crate) description: Latest<RobotDescription>,
     scan: Latest<RobotScan>,
     request: Latest<ControlRequest>,
+    /// The newest scan came after the answer before, and [`Self::ahead`] has not told it.
+    is_scan_new: bool,
     /// When the answer before began. [ns]
     answered_ns: u64,
     /// When this one began. [ns]
@@ -32,6 +34,7 @@ impl Readings {
             description: peer.latest()?,
             scan: peer.latest()?,
             request: peer.latest()?,
+            is_scan_new: false,
             answered_ns: 0,
             began_ns: 0,
         })
@@ -44,7 +47,7 @@ impl Readings {
         self.odometry.poll(roster);
         self.description.poll(roster);
         let requested = self.request.poll(roster);
-        self.scan.poll(roster);
+        self.is_scan_new |= self.scan.poll(roster);
         let tick = self.odometry.tick();
         let trigger = Trigger {
             tick,
@@ -71,6 +74,7 @@ impl Readings {
         let capture_ns = self.scan.received().map_or(0, |scan| scan.capture_ns);
         let draft = shell.begin(due, shell.run_ns(due.tick), capture_ns, parents);
         (self.answered_ns, self.began_ns) = (self.began_ns, draft.started_ns);
+        self.is_scan_new = false;
         draft
     }
 
@@ -96,6 +100,17 @@ impl Readings {
         let tick_ns = shell.roster().clock.tick_ns;
         let pose = history.pose_at(run_ns);
         pose.or_else(|| history.pose_before(run_ns, tick_ns))
+    }
+
+    /// A scan that has just come, and what belongs to it, to be taken in before the request comes; once there is odometry of
+    /// its capture. What counts at an answer alone, such as ages, is not in it.
+    pub(crate) fn ahead(&mut self, shell: &Shell) -> Option<GuardInputs<'_>> {
+        let (scan, odometry) = (self.scan.received()?, self.odometry.newest()?);
+        if !self.is_scan_new || odometry.run_ns < scan.run_ns {
+            return None;
+        }
+        self.is_scan_new = false;
+        Some(self.inputs(shell, &Draft::default()))
     }
 
     /// What is known at the beginning of an answer. A scan is as old as its capture, the other

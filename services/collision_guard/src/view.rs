@@ -8,34 +8,7 @@ use crate::swept::Swept;
 use nalgebra::{Isometry2, Point2, Vector2};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
-use zeronav_msgs::scan::{BEAMS_MAX, Scan};
-
-/// Direction of every beam, kept as long as the scans have the same geometry.
-#[derive(Debug, Clone, Default)]
-struct Directions {
-    key: (u32, u32, u32),
-    table: Vec<Vector2<f64>>,
-}
-
-impl Directions {
-    fn of(&mut self, scan: &Scan) -> &[Vector2<f64>] {
-        let key = (
-            scan.n_beams,
-            scan.angle_min_rad.to_bits(),
-            scan.angle_increment_rad.to_bits(),
-        );
-        if key != self.key || self.table.is_empty() {
-            self.key = key;
-            self.table.clear();
-            let n = (scan.n_beams as usize).min(BEAMS_MAX);
-            self.table.extend((0..n).map(|i| {
-                let (sin, cos) = scan.angle_of(i).sin_cos();
-                Vector2::new(cos, sin)
-            }));
-        }
-        &self.table
-    }
-}
+use zeronav_msgs::scan::{BEAMS_MAX, BeamDirections, Scan};
 
 /// Ranges of neighbouring beams on one thing differ by less. [m]
 const SAME_M: f32 = 0.1;
@@ -52,17 +25,31 @@ fn is_lone(ranges: &[f32], beam: usize) -> bool {
     })
 }
 
-/// One scan's hits in `odom`.
+/// What a beam says of where it ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Said {
+    /// Nothing: it hit nothing, or dust inside the outline.
+    Nothing,
+    /// It hit something that was not near enough to matter yet.
+    Hit,
+    /// Something is there.
+    Obstacle,
+    /// Dust.
+    Dust,
+}
+
+/// One scan.
 #[derive(Debug, Clone, Default)]
 struct Sight {
-    /// Those that count.
-    points_in_odom: Vec<Point2<f64>>,
-    /// All that the scan said.
+    /// By beam.
+    said: Vec<Said>,
+    /// Hits of which it took long to tell whether they are dust.
+    compared: usize,
     looked: Looked,
 }
 
-/// Scans that are kept.
-const SIGHTS: usize = 1 + BEFORE_MAX;
+/// Scans that are kept: two whose hits count, and those before each.
+const SIGHTS: usize = 2 + BEFORE_MAX;
 
 /// The hits of the newest scan and of the one before.
 ///
@@ -74,7 +61,7 @@ const SIGHTS: usize = 1 + BEFORE_MAX;
 pub(crate) struct View {
     sights: [Sight; SIGHTS],
     newest: usize,
-    directions: Directions,
+    directions: BeamDirections,
     /// Hits near the robot, in `base` of now. [m]
     pub(crate) near: Hits,
 }
@@ -82,16 +69,14 @@ pub(crate) struct View {
 impl Default for View {
     fn default() -> Self {
         let sight = || Sight {
-            points_in_odom: Vec::with_capacity(BEAMS_MAX),
+            said: Vec::with_capacity(BEAMS_MAX),
+            compared: 0,
             looked: Looked::with_capacity(),
         };
         Self {
             sights: core::array::from_fn(|_| sight()),
             newest: 0,
-            directions: Directions {
-                table: Vec::with_capacity(BEAMS_MAX),
-                ..Directions::default()
-            },
+            directions: BeamDirections::with_capacity(),
             near: Hits::with_capacity(2 * BEAMS_MAX),
         }
     }
@@ -105,8 +90,8 @@ impl View {
 
     /// Takes in a scan that passed its check. `odom_from_base` holds at its capture, run time `run_ns`, the
     /// time of the last beam; `twist` is the robot's while the lidar turned. Ranges that are no hits give
-    /// no point, and neither does dust: a hit inside the outline that no neighbouring beam shares, and
-    /// one that the scans before deny.
+    /// no point, and neither does dust: a hit inside the outline that no neighbouring beam shares, and,
+    /// once it is near enough to matter, one that the scans before deny.
     pub(crate) fn take(
         &mut self,
         scan: &Scan,
@@ -117,10 +102,12 @@ impl View {
     ) {
         self.newest = (self.newest + 1) % SIGHTS;
         let Sight {
-            points_in_odom: points,
+            said,
+            compared,
             looked,
         } = &mut self.sights[self.newest];
-        points.clear();
+        said.clear();
+        *compared = 0;
         let directions = self.directions.of(scan);
         let odom_from_laser = odom_from_base.isometry() * base_from_laser.isometry();
         let beam_s = f64::from(scan.time_increment_s);
@@ -132,67 +119,47 @@ impl View {
             twist,
         };
         looked.begin(scan, ranges, stance);
+        let reach_m = base_from_laser.point().coords.norm() + outline.radius_m;
         let mut elapsed_s = -f64::from(scan.n_beams.saturating_sub(1)) * beam_s;
-        for (range_m, direction) in ranges.iter().zip(directions) {
-            let in_laser = Point2::from(direction * f64::from(*range_m));
-            looked.push(scan.is_hit(*range_m).then(|| {
+        for (beam, (range_m, direction)) in ranges.iter().zip(directions).enumerate() {
+            let length_m = f64::from(*range_m);
+            let in_laser = Point2::from(direction * length_m);
+            let end = scan.is_hit(*range_m).then(|| {
                 if at_once {
                     odom_from_laser * in_laser
                 } else {
                     let in_base = stance.base_from_laser * in_laser;
                     stance.odom_from_base * twist.arc(elapsed_s).transform(in_base)
                 }
-            }));
-            elapsed_s += beam_s;
-        }
-        looked.end();
-        self.keep_hits(scan, ranges, (base_from_laser, outline));
-    }
-
-    /// Of the hits of the newest scan, those that count.
-    fn keep_hits(
-        &mut self,
-        scan: &Scan,
-        ranges: &[f32],
-        (base_from_laser, outline): (&Pose, &Outline),
-    ) {
-        let mut points = core::mem::take(&mut self.sights[self.newest].points_in_odom);
-        let looked = |before: usize| &self.sights[(self.newest + SIGHTS - before) % SIGHTS].looked;
-        let newest = looked(0);
-        let before = core::array::from_fn(|n| looked(n + 1));
-        let reach_m = base_from_laser.point().coords.norm() + outline.radius_m;
-        let directions = &self.directions.table;
-        let mut compared = 0;
-        for (beam, (range_m, direction)) in ranges.iter().zip(directions).enumerate() {
-            let length_m = f64::from(*range_m);
+            });
+            looked.push(end);
             let is_within = || {
                 length_m < reach_m && is_lone(ranges, beam) && {
-                    let in_laser = Point2::from(direction * length_m);
                     let in_base = base_from_laser.transform(in_laser).coords;
                     outline.distance_m(in_base, 0.0) < 0.0
                 }
             };
-            if scan.is_hit(*range_m)
-                && !is_within()
-                && !newest.is_dust(beam, &before, &mut compared)
-            {
-                points.extend(newest.hit(beam));
-            }
+            said.push(if end.is_some() && !is_within() {
+                Said::Hit
+            } else {
+                Said::Nothing
+            });
+            elapsed_s += beam_s;
         }
-        self.sights[self.newest].points_in_odom = points;
+        looked.end();
     }
 
     /// The scans so far are too old to tell dust by.
     pub(crate) fn trust_no_more(&mut self) {
         for sight in &mut self.sights {
-            sight.looked.clear();
+            sight.looked.distrust();
         }
     }
 
     /// Forgets everything: odometry has jumped, or an input went back in time.
     pub(crate) fn clear(&mut self) {
         for sight in &mut self.sights {
-            sight.points_in_odom.clear();
+            sight.said.clear();
             sight.looked.clear();
         }
     }
@@ -205,17 +172,49 @@ impl View {
             base_from_odom.rotation.into_inner(),
         );
         let (cos, sin) = (rotation.re, rotation.im);
-        let last = (self.newest + SIGHTS - 1) % SIGHTS;
-        let sights = [self.newest, last].into_iter();
-        let points = sights.flat_map(|sight| &self.sights[sight].points_in_odom);
-        let in_base = points.map(|point| {
+        let in_base = |at: Point2<f64>| {
             Vector2::new(
-                cos * point.x - sin * point.y + translation.x,
-                sin * point.x + cos * point.y + translation.y,
+                cos * at.x - sin * at.y + translation.x,
+                sin * at.x + cos * at.y + translation.y,
             )
-        });
-        self.near
-            .refill(in_base.filter(|point| swept.holds(*point)));
+        };
+        self.near.clear();
+        for before in 0..2 {
+            let sight = (self.newest + SIGHTS - before) % SIGHTS;
+            let mut said = core::mem::take(&mut self.sights[sight].said);
+            let mut compared = self.sights[sight].compared;
+            for (beam, said) in said.iter_mut().enumerate() {
+                if matches!(said, Said::Nothing | Said::Dust) {
+                    continue;
+                }
+                let Some(at) = self.sights[sight].looked.hit(beam).map(in_base) else {
+                    continue;
+                };
+                if !swept.holds(at) {
+                    continue;
+                }
+                if *said == Said::Hit {
+                    *said = if self.is_dust(sight, beam, &mut compared) {
+                        Said::Dust
+                    } else {
+                        Said::Obstacle
+                    };
+                }
+                if *said == Said::Obstacle {
+                    self.near.push(at);
+                }
+            }
+            self.sights[sight].said = said;
+            self.sights[sight].compared = compared;
+        }
+        self.near.close();
+    }
+
+    /// True when a hit of a scan is dust to the scans before it.
+    fn is_dust(&self, sight: usize, beam: usize, compared: &mut usize) -> bool {
+        let looked = |before: usize| &self.sights[(sight + SIGHTS - before) % SIGHTS].looked;
+        let before = core::array::from_fn(|n| looked(n + 1));
+        looked(0).is_dust(beam, &before, compared)
     }
 }
 

@@ -11,7 +11,7 @@ use crate::thin::is_before;
 use nalgebra::{Isometry2, Point2, Vector2};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
-use zeronav_msgs::scan::{BEAMS_MAX, Scan};
+use zeronav_msgs::scan::{BEAMS_MAX, BeamDirections, Scan};
 use zeronav_msgs::time::seconds;
 
 /// Beams to either side that can confirm a hit.
@@ -85,6 +85,7 @@ pub struct ScanPoints {
     /// Confirmed ones.
     at_capture: Vec<Point2<f64>>,
     now: Vec<Point2<f64>>,
+    directions: BeamDirections,
 }
 
 impl Default for ScanPoints {
@@ -95,6 +96,7 @@ impl Default for ScanPoints {
             captured: None,
             at_capture: Vec::with_capacity(BEAMS_MAX),
             now: Vec::with_capacity(BEAMS_MAX),
+            directions: BeamDirections::with_capacity(),
         }
     }
 }
@@ -120,11 +122,17 @@ impl ScanPoints {
         let last = f64::from(scan.n_beams.saturating_sub(1));
         let mut elapsed_s = -last * beam_s;
         let step_rad = f64::from(scan.angle_increment_rad).abs();
-        for (beam, &range) in ranges.iter().take(BEAMS_MAX).enumerate() {
+        let (sin, cos) = base_from_laser.yaw_rad.sin_cos();
+        let laser = base_from_laser.point();
+        let directions = self.directions.of(scan).iter();
+        for (beam, (&range, direction)) in ranges.iter().zip(directions).enumerate() {
             if scan.is_hit(range) {
-                let (sin, cos) = scan.angle_of(beam).sin_cos();
                 let range_m = smoothed_m(scan, ranges, beam);
-                let in_base = base_from_laser.transform(Point2::new(range_m * cos, range_m * sin));
+                let (x_m, y_m) = (range_m * direction.x, range_m * direction.y);
+                let in_base = Point2::new(
+                    laser.x + cos * x_m - sin * y_m,
+                    laser.y + sin * x_m + cos * y_m,
+                );
                 let at = if beam_s > 0.0 {
                     twist.arc(elapsed_s).transform(in_base)
                 } else {
@@ -142,7 +150,6 @@ impl ScanPoints {
             }
             elapsed_s += beam_s;
         }
-        let laser = base_from_laser.point();
         self.confirm_beside();
         if let Some((pose, before_ns)) = before {
             let before_from_capture = pose.isometry().inv_mul(&odom_from_base.isometry());

@@ -219,6 +219,8 @@ fn localise(c: &mut Criterion) {
                     });
                     let stages_ns = mapping.timer().stages_ns();
                     took += Duration::from_nanos(stages_ns[Stage::Localise.place()].into());
+                    // After the answer.
+                    mapping.check();
                 }
                 took
             });

@@ -7,7 +7,7 @@
 use nalgebra::{Point2, Vector2};
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
-use zeronav_msgs::scan::Scan;
+use zeronav_msgs::scan::{BeamDirections, Scan};
 
 /// Where the laser was during a turn, in the frame that the beams shall be in.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -88,9 +88,7 @@ impl Beam {
 pub struct Beams {
     cast: Vec<Beam>,
     sweep: Sweep,
-    /// Directions in the laser's own frame, and what they are of.
-    directions: Vec<Vector2<f64>>,
-    fan: (f32, f32),
+    directions: BeamDirections,
     increment_rad: f64,
     full_turn: bool,
 }
@@ -98,14 +96,13 @@ pub struct Beams {
 impl Beams {
     /// Takes in a scan that was checked against [`Scan::check`].
     pub fn cast(&mut self, scan: &Scan, ranges: &[f32], sweep: &Sweep) {
-        self.look_up_directions(scan, ranges.len());
         self.increment_rad = f64::from(scan.angle_increment_rad).abs();
         #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
         let fan_rad = self.increment_rad * (ranges.len() as f64 + 0.5);
         self.full_turn = fan_rad >= core::f64::consts::TAU;
         self.cast.clear();
         self.sweep = *sweep;
-        let directions = self.directions.iter().zip(ranges);
+        let directions = self.directions.of(scan).iter().zip(ranges);
         if sweep.first == sweep.last {
             let (sin, cos) = sweep.last.yaw_rad.sin_cos();
             let origin = sweep.last.point();
@@ -159,20 +156,6 @@ impl Beams {
     pub fn full_turn(&self) -> bool {
         self.full_turn
     }
-
-    /// Sines and cosines are the dearest part of a small scan, and a lidar's do not change.
-    fn look_up_directions(&mut self, scan: &Scan, n_beams: usize) {
-        let fan = (scan.angle_min_rad, scan.angle_increment_rad);
-        if self.fan == fan && self.directions.len() == n_beams {
-            return;
-        }
-        self.fan = fan;
-        self.directions.clear();
-        self.directions.extend((0..n_beams).map(|beam| {
-            let (sin, cos) = scan.angle_of(beam).sin_cos();
-            Vector2::new(cos, sin)
-        }));
-    }
 }
 
 fn rotated(direction: &Vector2<f64>, sin: f64, cos: f64) -> Vector2<f64> {
@@ -190,6 +173,39 @@ fn end_of(scan: &Scan, range_m: f32) -> End {
     } else {
         End::Invalid
     }
+}
+
+/// Puts the ends that stand, of every n-th beam that ended no farther than `range_m_max`, in place of those in `at` [m],
+/// and which share of the scan was still to come in place of those in `ago`. How many ended.
+pub(crate) fn ends_of(
+    beams: &[Beam],
+    every: usize,
+    range_m_max: f64,
+    (at, ago): (&mut Vec<Point2<f64>>, &mut Vec<f64>),
+    stands: impl Fn(&Point2<f64>) -> bool,
+) -> usize {
+    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+    let steps = beams.len().saturating_sub(1).max(1) as f64;
+    at.clear();
+    ago.clear();
+    let mut n_ends = 0;
+    for (n, beam) in beams.iter().enumerate().step_by(every) {
+        // What lies beyond is on no map.
+        let end = match beam.end {
+            End::Hit(range_m) if range_m <= range_m_max => beam.point(),
+            _ => None,
+        };
+        let Some(end) = end else {
+            continue;
+        };
+        n_ends += 1;
+        if stands(&end) {
+            at.push(end);
+            #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
+            ago.push(1.0 - n as f64 / steps);
+        }
+    }
+    n_ends
 }
 
 #[cfg(test)]

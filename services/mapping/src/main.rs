@@ -26,6 +26,10 @@ use zeronav_world::StaticMap;
 /// Time between two looks for the odometry around a scan. [ns]
 const LOOK_NS: u64 = 1_000_000;
 
+/// How long after the answer to a scan nothing else is asked of it: the cores are left to planners and guard, which act on
+/// the same scan. [ns]
+const QUIET_NS: u64 = 4_000_000;
+
 struct MappingService {
     config: MappingConfig,
     static_map: Option<StaticMap>,
@@ -37,6 +41,8 @@ struct MappingService {
     learnt_tick: u64,
     /// Made when the robot is known.
     mapping: Option<Mapping>,
+    /// When the answer before was given. [ns]
+    answered_ns: u64,
     readings: Readings,
     map: MapOutput,
     log: RunLog,
@@ -64,6 +70,7 @@ impl Service for MappingService {
             began: false,
             learnt_tick: 0,
             mapping: None,
+            answered_ns: 0,
             readings: Readings::open(peer, config.regularisation.enabled)?,
             map: MapOutput::open(peer, config.window.most_tiles(&geometry))?,
             log: RunLog::default(),
@@ -95,6 +102,7 @@ impl Service for MappingService {
         if self.readings.report(shell) {
             self.send_stale(shell);
         }
+        self.check_when_quiet(shell);
         if rung.has(EVENT_NEED_KEYFRAME) {
             self.map.want_keyframe();
         }
@@ -178,6 +186,20 @@ impl MappingService {
         self.log.log_sought(due.tick, mapping.sought());
         self.log
             .log(due.tick, draft.run_ns, &map_from_odom, n_obstacles);
+        self.answered_ns = draft.started_ns;
+    }
+
+    /// Asks of the last scan what nobody waits for. When does not matter to the next answer.
+    fn check_when_quiet(&mut self, shell: &mut Shell) {
+        let Some(mapping) = self.mapping.as_mut().filter(|it| it.is_unchecked()) else {
+            return;
+        };
+        let quiet_until_ns = self.answered_ns + QUIET_NS;
+        if shell.woken_ns() < quiet_until_ns {
+            shell.wake_by(quiet_until_ns);
+        } else {
+            mapping.check();
+        }
     }
 
     /// When scans have stopped coming, one empty revision marks the map as not current.

@@ -1,7 +1,7 @@
 //! One scan after the other: where it was seen from, what moves in it, and what it says about
 //! the map.
 
-use crate::beams::{Beam, Beams, End, Sweep};
+use crate::beams::{Beams, Sweep, ends_of};
 use crate::config::MappingConfig;
 use crate::error::MappingError;
 use crate::flips::Integrated;
@@ -78,7 +78,19 @@ pub struct Mapping {
     last_ns: u64,
     /// The grid changed with the last scan.
     moved: bool,
+    /// What is left to ask of the last scan.
+    unchecked: Option<Unchecked>,
     timer: StageTimer,
+}
+
+/// A scan that [`Mapping::check`] has not looked at yet.
+#[derive(Debug, Clone, Copy)]
+struct Unchecked {
+    odom_from_base: Pose,
+    map_from_base: Pose,
+    run_ns: u64,
+    /// It becomes the next key scan.
+    is_key: bool,
 }
 
 impl Mapping {
@@ -121,6 +133,7 @@ impl Mapping {
             ago: Vec::new(),
             landmarks: Vec::new(),
             moved: false,
+            unchecked: None,
             timer: StageTimer::default(),
             config: config.clone(),
         })
@@ -133,6 +146,7 @@ impl Mapping {
             return false;
         };
         self.mapper = mapper;
+        self.unchecked = None;
         let can_search = self.relocaliser.is_some();
         self.localiser
             .resume(info.map_from_odom, info.covariance, can_search);
@@ -149,6 +163,7 @@ impl Mapping {
     /// What scans have added to a static map was seen from elsewhere and is forgotten. Without a
     /// static map there is nothing else to go by: the map stays, and the robot is put on it.
     pub fn relocate(&mut self, map_from_odom: Pose, next: &Observation<'_>) {
+        self.unchecked = None;
         self.localiser.relocate(map_from_odom, &next.odom_from_base);
         if let Some(relocaliser) = &mut self.relocaliser {
             relocaliser.restart();
@@ -164,16 +179,22 @@ impl Mapping {
         &mut self.timer
     }
 
-    /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date.
+    /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date. What may be asked of it later
+    /// is left to [`Self::check`].
     pub fn take_in(&mut self, observation: &Observation<'_>) -> Integrated {
+        self.check();
         let odom_from_base = &observation.odom_from_base;
         self.cast(observation, None);
-        if self.localiser.is_active(&observation.odometry_variance) || self.localiser.watches() {
-            self.localise(observation);
-        }
-        self.relocalise(observation);
+        let corrects = self.localiser.is_active(&observation.odometry_variance);
+        let is_key = (corrects || self.localiser.watches()) && self.localise(observation);
         self.last_ns = observation.run_ns;
         let map_from_base = self.localiser.map_from_base(odom_from_base);
+        self.unchecked = Some(Unchecked {
+            odom_from_base: *odom_from_base,
+            map_from_base,
+            run_ns: observation.run_ns,
+            is_key,
+        });
         self.follow_window(map_from_base.point());
         self.timer.mark(Stage::Localise);
         let mapper = &mut self.mapper;
@@ -224,8 +245,28 @@ impl Mapping {
         integrated
     }
 
-    /// Where the robot is: by the scan before, and by the map.
-    fn localise(&mut self, observation: &Observation<'_>) {
+    /// Asks of the last scan what nobody waits for: whether the robot is lost, and where on the static map it is then. The
+    /// next scan is judged by it, so [`Self::take_in`] does it at the latest.
+    pub fn check(&mut self) {
+        let Some(scan) = self.unchecked.take() else {
+            return;
+        };
+        if scan.is_key {
+            self.find_standing(&scan.map_from_base, scan.run_ns);
+            self.localiser.next_key(&self.standing);
+        }
+        self.relocalise(&scan);
+    }
+
+    /// True when [`Self::check`] has something to do.
+    #[must_use]
+    pub const fn is_unchecked(&self) -> bool {
+        self.unchecked.is_some()
+    }
+
+    /// Where the robot is: by the scan before, and by the map. True when this is to be the next key scan of odometry that
+    /// is watched.
+    fn localise(&mut self, observation: &Observation<'_>) -> bool {
         let run_ns = observation.run_ns;
         let odometry = OdometryAt {
             odom_from_base: observation.odom_from_base,
@@ -240,11 +281,7 @@ impl Mapping {
             && self.localiser.watches()
             && self.goes_along(noise, sweep_share, something_moves)
         {
-            if self.localiser.is_key_due() {
-                self.find_standing(&guess, run_ns);
-                self.localiser.next_key(&self.standing);
-            }
-            return;
+            return self.localiser.is_key_due();
         }
         let are_most = self.find_standing(&guess, run_ns);
         let ends = Ends::of((&self.standing, &self.ago), sweep_share, are_most);
@@ -256,7 +293,7 @@ impl Mapping {
                 .localiser
                 .notices(moved.as_ref(), &ends, something_moves)
         {
-            return;
+            return false;
         }
         if let Some(moved) = moved.filter(|moved| moved.basis == Basis::Scans) {
             if sweep_share > 0.0 {
@@ -282,12 +319,13 @@ impl Mapping {
             // What was tracked meanwhile was seen from elsewhere.
             self.tracker.restart();
         }
+        false
     }
 
     /// Whether the robot is lost, and where on the static map it is then.
-    fn relocalise(&mut self, observation: &Observation<'_>) {
-        let odom_from_base = &observation.odom_from_base;
-        let (tracker, run_ns) = (&self.tracker, observation.run_ns);
+    fn relocalise(&mut self, scan: &Unchecked) {
+        let odom_from_base = &scan.odom_from_base;
+        let (tracker, run_ns) = (&self.tracker, scan.run_ns);
         if self.localiser.is_uncertain() {
             self.mapper.make_surfaces();
         }
@@ -459,37 +497,4 @@ fn placed_at(map_from_base: &Pose) -> impl Fn(&Point2<f64>) -> Point2<f64> + use
     let (sin, cos) = map_from_base.yaw_rad.sin_cos();
     let (x_m, y_m) = (map_from_base.x_m, map_from_base.y_m);
     move |at| Point2::new(x_m + cos * at.x - sin * at.y, y_m + sin * at.x + cos * at.y)
-}
-
-/// Puts the ends that stand, of every n-th beam that ended no farther than `range_m_max`, in place of those in `at` [m],
-/// and which share of the scan was still to come in place of those in `ago`. How many ended.
-fn ends_of(
-    beams: &[Beam],
-    every: usize,
-    range_m_max: f64,
-    (at, ago): (&mut Vec<Point2<f64>>, &mut Vec<f64>),
-    stands: impl Fn(&Point2<f64>) -> bool,
-) -> usize {
-    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-    let steps = beams.len().saturating_sub(1).max(1) as f64;
-    at.clear();
-    ago.clear();
-    let mut n_ends = 0;
-    for (n, beam) in beams.iter().enumerate().step_by(every) {
-        // What lies beyond is on no map.
-        let end = match beam.end {
-            End::Hit(range_m) if range_m <= range_m_max => beam.point(),
-            _ => None,
-        };
-        let Some(end) = end else {
-            continue;
-        };
-        n_ends += 1;
-        if stands(&end) {
-            at.push(end);
-            #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-            ago.push(1.0 - n as f64 / steps);
-        }
-    }
-    n_ends
 }
