@@ -9,6 +9,7 @@ use zeronav_measure::reasons::Reasons;
 use zeronav_measure::run_totals::{RunTotals, TaskReport};
 use zeronav_measure::shadow_answers::ShadowAnswers;
 use zeronav_measure::{Records, RunHash};
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
@@ -64,8 +65,8 @@ pub(crate) struct Collector {
     pub odometry: Option<Odometry>,
     /// Tick and `map_from_odom` of the newest map with a scan: before its first, a successor knows nothing.
     pub located: Option<(u64, Pose)>,
-    /// Whether mapping knew that.
-    pub knows_pose: bool,
+    /// How far mapping knew that.
+    pub certainty: PoseCertainty,
     /// Run time of the newest odometry or truth. [ns]
     pub run_ns: u64,
     /// First tick at which the wheels turned.
@@ -164,6 +165,12 @@ impl Collector {
         self.keyframe_asked = Some(now);
         self.keyframe_wanted = false;
         true
+    }
+
+    /// True when the robot knows where it is, and that is confirmed.
+    #[must_use]
+    pub(crate) fn knows_pose(&self) -> bool {
+        self.certainty == PoseCertainty::Confirmed
     }
 
     /// `map_from_base` as the stack takes it to be; `None` before the first map and odometry.

@@ -12,6 +12,7 @@
 //! Units are SI, frames follow REP-103 and REP-105 (x forward, y left, yaw counter-clockwise,
 //! `map` -> `odom` -> `base` -> `laser`), times are nanoseconds.
 
+pub mod certainty;
 pub mod checksum;
 pub mod command;
 pub mod description;

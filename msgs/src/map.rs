@@ -140,12 +140,6 @@ message! {
     }
 }
 
-/// Standard deviation of a coordinate from which on the robot does not know where it is. [m]
-pub const POSE_SIGMA_M_MAX: f64 = 0.75;
-
-/// Standard deviation of the yaw from which on the robot does not know where it is. [rad]
-pub const POSE_SIGMA_RAD_MAX: f64 = 0.35;
-
 message! {
     /// Fixed fields of map messages. The slice holds tiles.
     pub struct MapInfo = "zeronav.MapInfo.v2" {
@@ -315,15 +309,6 @@ pub fn clearance_mm(clearance_m: f64, limit_mm: u16) -> u16 {
 }
 
 impl MapInfo {
-    /// True when the robot knows where it is: the deviations of its pose are below
-    /// [`POSE_SIGMA_M_MAX`] and [`POSE_SIGMA_RAD_MAX`]. Without that nothing can be said of a goal.
-    #[must_use]
-    pub fn knows_pose(&self) -> bool {
-        let [xx, _, _, yy, _, yaw] = self.covariance;
-        xx.max(yy) < POSE_SIGMA_M_MAX * POSE_SIGMA_M_MAX
-            && yaw < POSE_SIGMA_RAD_MAX * POSE_SIGMA_RAD_MAX
-    }
-
     /// True when the revision is complete with this message.
     #[must_use]
     pub const fn is_last_part(&self) -> bool {

@@ -54,6 +54,8 @@ codes! {
         NoPath = 5 => "no_path",
         /// A later task took its place.
         Replaced = 6 => "replaced",
+        /// The robot did not know where it was for too long, or nothing has confirmed where it was told to be.
+        PoseUnknown = 7 => "pose_unknown",
     }
 }
 

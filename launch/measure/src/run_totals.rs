@@ -9,6 +9,7 @@ use crate::command_lag::LagSeen;
 use crate::result::moment::{Blocked, Task};
 use crate::{Motion, TruthComparison};
 use std::collections::{HashMap, VecDeque};
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::Pose;
@@ -76,8 +77,8 @@ pub enum Fact {
     Odometry(Pose),
     /// What mapping saw moving in the scan with this id.
     Moving(u64, Vec<Obstacle>),
-    /// Where mapping placed the scan with this id: `map_from_odom`, and whether it knew that.
-    Placed(u64, Pose, bool),
+    /// Where mapping placed the scan with this id: `map_from_odom`, and how far it knew that.
+    Placed(u64, Pose, PoseCertainty),
     /// What the local planner said of the task.
     Task(TaskReport),
 }
@@ -170,8 +171,8 @@ impl RunTotals {
             Fact::Command(why) => self.motion.command(run_ns, why),
             Fact::Odometry(pose) => self.comparison.odometry(run_ns, &pose),
             Fact::Moving(scan, tracked) => self.comparison.obstacles(scan, &tracked),
-            Fact::Placed(scan, map_from_odom, is_known) => {
-                self.comparison.placed(scan, &map_from_odom, is_known);
+            Fact::Placed(scan, map_from_odom, certainty) => {
+                self.comparison.placed(scan, &map_from_odom, certainty);
             }
             Fact::Task(report) => self.task = Some(report),
         }

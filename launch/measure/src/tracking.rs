@@ -8,6 +8,7 @@ use crate::result::truth::{PoseResult, TrackingResult};
 use crate::tracking_score::TrackingScore;
 use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::truth::TruthObstacle;
@@ -22,8 +23,8 @@ struct Scan {
     /// With its run time. [ns]
     truth: Option<(u64, Pose, Vec<TruthObstacle>)>,
     tracked: Option<Vec<Obstacle>>,
-    /// With whether mapping knew it.
-    map_from_odom: Option<(Pose, bool)>,
+    /// With how far mapping knew it.
+    map_from_odom: Option<(Pose, PoseCertainty)>,
 }
 
 impl Scan {
@@ -40,6 +41,8 @@ pub struct TruthComparison {
     /// Run time [ns] and `odom_from_base` of the ticks with a scan, in order.
     odometry: VecDeque<(u64, Pose)>,
     pose: PoseResult,
+    /// The robot knew where it was at the last scan.
+    was_known: bool,
     squares_m2: f64,
     score: TrackingScore,
     /// Where every scripted obstacle was first.
@@ -74,9 +77,9 @@ impl TruthComparison {
         self.waiting.entry(scan).or_default().tracked = Some(tracked.to_vec());
     }
 
-    /// Takes in where mapping has placed a scan, and whether it knew that.
-    pub fn placed(&mut self, scan: u64, map_from_odom: &Pose, is_known: bool) {
-        self.waiting.entry(scan).or_default().map_from_odom = Some((*map_from_odom, is_known));
+    /// Takes in where mapping has placed a scan, and how far it knew that.
+    pub fn placed(&mut self, scan: u64, map_from_odom: &Pose, certainty: PoseCertainty) {
+        self.waiting.entry(scan).or_default().map_from_odom = Some((*map_from_odom, certainty));
     }
 
     /// Compares the scans of which everything is here, the odometry of their tick included. Every
@@ -100,7 +103,7 @@ impl TruthComparison {
     }
 
     fn compare_scan(&mut self, scan: Scan) {
-        let (Some((run_ns, truth, obstacles)), Some(tracked), Some((map_from_odom, is_known))) =
+        let (Some((run_ns, truth, obstacles)), Some(tracked), Some((map_from_odom, certainty))) =
             (scan.truth, scan.tracked, scan.map_from_odom)
         else {
             return;
@@ -120,7 +123,9 @@ impl TruthComparison {
         pose.scans += 1;
         pose.error_m_last = error_m;
         pose.error_rad_last = Some(error_rad);
-        pose.known_last = Some(is_known);
+        pose.known_last = Some(certainty == PoseCertainty::Confirmed);
+        let is_known = certainty.is_known();
+        pose.lost += usize::from(core::mem::replace(&mut self.was_known, is_known) && !is_known);
         pose.true_pose_last = [truth.x_m, truth.y_m, truth.yaw_rad];
         pose.error_m_max = pose.error_m_max.max(error_m);
         pose.error_rad_max = pose.error_rad_max.max(error_rad);
@@ -198,7 +203,11 @@ mod tests {
             comparison.placed(
                 id,
                 &Pose::new(0.0, if n == 9 { -0.02 } else { 0.0 }, 0.1),
-                true,
+                match n {
+                    5..12 | 28 => PoseCertainty::Unknown,
+                    29 => PoseCertainty::Unconfirmed,
+                    _ => PoseCertainty::Confirmed,
+                },
             );
         }
         comparison.compare();
@@ -213,6 +222,7 @@ mod tests {
         }
         let pose = comparison.pose().expect("scans");
         assert_eq!(pose.scans, 29, "one update was lost");
+        assert_eq!((pose.lost, pose.known_last), (2, Some(false)));
         assert!((pose.error_m_max - 0.05).abs() < 1e-9, "{pose:?}");
         assert!((pose.error_m_last - 0.03).abs() < 1e-9, "{pose:?}");
         assert!(pose.error_rad_max < 1e-9, "{pose:?}");
@@ -238,7 +248,7 @@ mod tests {
         comparison.odometry(7, &Pose::default());
         comparison.odometry(8, &Pose::default());
         comparison.obstacles(1, &[]);
-        comparison.placed(1, &Pose::new(0.0, 0.0, -3.1), true);
+        comparison.placed(1, &Pose::new(0.0, 0.0, -3.1), PoseCertainty::Confirmed);
         comparison.compare();
         let error_rad = comparison.pose().expect("a scan").error_rad_max;
         assert!((error_rad - (core::f64::consts::TAU - 6.2)).abs() < 1e-9);
@@ -249,7 +259,7 @@ mod tests {
         let mut comparison = TruthComparison::default();
         comparison.truth(0, 40, &Pose::default(), &[]);
         comparison.obstacles(40, &[]);
-        comparison.placed(40, &Pose::default(), true);
+        comparison.placed(40, &Pose::default(), PoseCertainty::Confirmed);
         comparison.compare();
         assert_eq!(comparison.pose(), None);
         comparison.odometry(0, &Pose::default());

@@ -151,8 +151,8 @@ impl Collector {
         self.film.written(view.items);
         if scan != 0 && view.meta.is_last_part() {
             self.located = Some((view.header.tick, view.meta.map_from_odom));
-            self.knows_pose = view.meta.knows_pose();
-            let fact = Fact::Placed(scan, view.meta.map_from_odom, self.knows_pose);
+            self.certainty = view.meta.certainty();
+            let fact = Fact::Placed(scan, view.meta.map_from_odom, self.certainty);
             (self.totals).hear(view.header.tick, view.header.run_ns, fact);
         }
         if self.replica.update(view.header.id(), view.meta, view.items) != Step::Applied {

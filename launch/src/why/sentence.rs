@@ -13,7 +13,7 @@ use words::{age, failure, no_way, stale, waiting};
 use zeronav_measure::result::moment::{Command, Moment, Path, Point, Request, Task};
 use zeronav_msgs::command::{AGE_MS_MAX, Intervention, RequestCause, Validity};
 use zeronav_msgs::path::PathStatus;
-use zeronav_msgs::task::TaskState;
+use zeronav_msgs::task::{EndReason, TaskState};
 
 /// [m/s] and [rad/s] below which a robot stands.
 const STANDING: (f64, f64) = (0.005, 0.01);
@@ -163,6 +163,10 @@ fn place([x_m, y_m]: [f64; 2]) -> String {
 
 /// What the local planner meant.
 fn planner(request: &Request, moment: &Moment) -> String {
+    let doubts = |task: &Task| task.waits() && task.reason == EndReason::PoseUnknown;
+    if let Some(task) = moment.task.filter(doubts) {
+        return format!("{}.", waiting(&task));
+    }
     match request.validity {
         Validity::AtGoal => {
             "The robot has arrived: it is within the goal's tolerance. Another goal \

@@ -69,6 +69,8 @@ pub(super) enum Success {
     },
     /// The robot said that it had arrived, knew where it was then, and touched nothing.
     Found {
+        /// False where it must never take itself to be lost.
+        may_be_lost: bool,
         /// How far off its pose may be. [m]
         off_m: f64,
         /// The same of its yaw. [rad]

@@ -1,5 +1,6 @@
-//! Robots that do not know where on a map they are: half of them are told nothing and shall stay where they are, half are
-//! told that they are 2 m ahead and face the other way, and are sent elsewhere. Each has to find itself, and to arrive.
+//! Robots that do not know where on a map they are: a third of them is told nothing and shall stay where it is, a third is
+//! told that it is 2 m ahead and faces the other way, and is sent elsewhere. Each has to find itself, and to arrive. The
+//! last third is told the truth at the same places and sent to the same goals: none of them may take itself to be lost.
 
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
@@ -14,23 +15,26 @@ use zeronav_msgs::{Cell, Pose};
 use zeronav_world::StaticMap;
 use zeronav_world_files::map_file;
 
-/// Robots of each map: the first half is told nothing, the other half something wrong.
-const EACH: u32 = 40;
+/// Robots of each map and class, class by class.
+const OF_CLASS: u32 = 20;
+const EACH: u32 = 60;
 
 /// Least distance of a robot's centre from a wall. [m]
 const ROOM_M: f64 = 0.5;
 
-/// What a robot that is told something wrong is told, seen from where it is.
-const TOLD: Pose = Pose::new(2.0, 0.0, PI);
+/// What a robot of a class is told, seen from where it is. One that is told nothing has a wrong pose, too: without it
+/// odometry, which begins at the true pose, would give that away.
+const TOLD: [Pose; 3] = [WRONG, WRONG, Pose::new(0.0, 0.0, 0.0)];
+const WRONG: Pose = Pose::new(2.0, 0.0, PI);
 
-/// Run time of a robot that is told nothing, and of one that has to notice first and to drive then. [s]
-const TIME_LIMIT_S: [f64; 2] = [10.0, 60.0];
+/// Run time of a robot that is told nothing, and of those that drive. [s]
+const TIME_LIMIT_S: [f64; 3] = [10.0, 60.0, 60.0];
 
 /// How near to its goal it must think itself to be. [m]
 const TOLERANCE_M: f64 = 0.25;
 
-/// How far away the goal of a robot is that is told something wrong, so that it has time to notice; the farthest place
-/// that was drawn where none is so far. [m]
+/// How far away the goal of a robot that drives is, so that one that is told something wrong has time to notice; the farthest
+/// place that was drawn where none is so far. [m]
 const AWAY_M: Range<f64> = 5.0..12.0;
 
 /// A pose that is farther off is that of another place. [m, rad]
@@ -40,7 +44,9 @@ const OFF: (f64, f64) = (0.5, 0.3);
 const TRIES: usize = 100;
 
 /// What a robot is told.
-const CLASSES: [&str; 2] = ["told_nothing", "told_wrong"];
+const CLASSES: [&str; 3] = ["told_nothing", "told_wrong", "told_right"];
+const NOTHING: usize = 0;
+const RIGHT: usize = 2;
 
 /// Every robot of every map that is asked for, numbered by map and robot.
 ///
@@ -106,14 +112,22 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
     Ok(cases)
 }
 
-/// True for a world whose robot is told something wrong.
-fn is_told_wrong(world: &WorldFile) -> bool {
-    world.number % EACH >= EACH / 2
+/// The class of a world, and a number that worlds of told_wrong and told_right have in common.
+fn class_of(world: &WorldFile) -> (usize, u32) {
+    let (map, robot) = (world.number / EACH, world.number % EACH);
+    let (class, n) = (robot / OF_CLASS, robot % OF_CLASS);
+    let (class, drives) = match class {
+        0 => (NOTHING, 0),
+        1 => (1, 1),
+        _ => (RIGHT, 1),
+    };
+    (class, OF_CLASS * (2 * map + drives) + n)
 }
 
 /// Where the robot of a world wakes, and where it shall go.
 fn drawn(world: &WorldFile, map: &StaticMap, room: &[Cell]) -> [Pose; 2] {
-    let mut random = Pcg64Mcg::seed_from_u64(u64::from(world.number));
+    let (class, seed) = class_of(world);
+    let mut random = Pcg64Mcg::seed_from_u64(u64::from(seed));
     let mut place = || {
         let at = map
             .geometry
@@ -121,7 +135,7 @@ fn drawn(world: &WorldFile, map: &StaticMap, room: &[Cell]) -> [Pose; 2] {
         Pose::new(at.x, at.y, random.random_range(-PI..PI))
     };
     let start = place();
-    if !is_told_wrong(world) {
+    if class == NOTHING {
         return [start, start];
     }
     let others: Vec<Pose> = (0..TRIES).map(|_| place()).collect();
@@ -133,7 +147,7 @@ fn drawn(world: &WorldFile, map: &StaticMap, room: &[Cell]) -> [Pose; 2] {
 }
 
 fn case(setup: &Setup<'_>, world: &WorldFile, [start, goal]: &[Pose; 2]) -> Result<Case, String> {
-    let class = usize::from(is_told_wrong(world));
+    let (class, _) = class_of(world);
     let time_limit_s = TIME_LIMIT_S[class];
     let mut table = Table::new();
     table.insert("map".into(), world.file.display().to_string().into());
@@ -164,6 +178,7 @@ fn case(setup: &Setup<'_>, world: &WorldFile, [start, goal]: &[Pose; 2]) -> Resu
             success: Success::Found {
                 off_m: OFF.0,
                 off_rad: OFF.1,
+                may_be_lost: class != RIGHT,
             },
             optimal_time_s: None,
             reference_m: None,
@@ -177,10 +192,9 @@ fn case(setup: &Setup<'_>, world: &WorldFile, [start, goal]: &[Pose; 2]) -> Resu
 /// The services' configuration: what mapping is told of the pose. Odometry begins at the true one.
 fn told(start: &Pose, class: usize) -> Table {
     let mut localisation = Table::new();
-    // Who is told nothing has it, too: without it odometry, which begins at the true pose, would give that away.
-    let told = start.then(&TOLD);
+    let told = start.then(&TOLD[class]);
     let map_from_odom = Pose::from(told.isometry() * start.isometry().inverse());
-    if class == 0 {
+    if class == NOTHING {
         localisation.insert("start".into(), "unknown".into());
     }
     localisation.insert("map_from_odom".into(), super::case::numbers(map_from_odom));
@@ -208,34 +222,42 @@ mod tests {
 
     #[test]
     fn worlds_are_numbered_by_map_and_robot_and_drawn_from_their_number() {
-        let border = worlds(&plan(38..42)).unwrap();
+        let border = worlds(&plan(58..62)).unwrap();
         let names: Vec<&str> = border.iter().map(|world| world.name.as_str()).collect();
         let expected = [
-            "rooms_negative_38",
-            "rooms_negative_39",
+            "rooms_negative_58",
+            "rooms_negative_59",
             "rooms_p2_00",
             "rooms_p2_01",
         ];
         assert_eq!(names, expected);
-        assert!(worlds(&plan(160..170)).is_err());
+        assert!(worlds(&plan(240..250)).is_err());
         let map = map_file::load(&border[0].file).unwrap().map;
         let room = map.largest_room(ROOM_M);
-        for world in &worlds(&plan(0..40)).unwrap() {
-            let [start, goal] = drawn(world, &map, &room);
-            assert_eq!(drawn(world, &map, &room), [start, goal]);
+        let all = worlds(&plan(0..60)).unwrap();
+        let drawn = |world: &WorldFile| super::drawn(world, &map, &room);
+        for (n, world) in all.iter().enumerate() {
+            let [start, goal] = drawn(world);
+            assert_eq!(drawn(world), [start, goal]);
+            assert_eq!(class_of(world).0, n / 20);
             let away_m = goal.distance_m(&start);
-            if is_told_wrong(world) {
-                assert!(AWAY_M.contains(&away_m), "{}: {away_m} m", world.name);
-            } else {
+            if n < 20 {
                 assert_eq!(goal, start);
+            } else {
+                assert!(AWAY_M.contains(&away_m), "{}: {away_m} m", world.name);
             }
         }
+        // Told wrong and told right differ in nothing else.
+        for (wrong, right) in all[20..40].iter().zip(&all[40..]) {
+            assert_eq!(drawn(wrong), drawn(right));
+        }
+        assert_ne!(drawn(&all[0]), drawn(&all[20]));
     }
 
     #[test]
-    fn half_of_the_robots_are_told_that_they_are_ahead_and_face_the_other_way() {
+    fn robots_are_told_the_truth_or_that_they_are_ahead_and_face_the_other_way() {
         let start = Pose::new(3.0, -2.0, 0.7);
-        for class in 0..2 {
+        for (class, off_m) in [2.0, 2.0, 0.0].into_iter().enumerate() {
             let services = told(&start, class);
             let localisation = &services["mapping"]["config"]["localisation"];
             let start_is = localisation.get("start").and_then(Value::as_str);
@@ -243,8 +265,8 @@ mod tests {
             let number = |n: usize| localisation["map_from_odom"][n].as_float().unwrap();
             let map_from_odom = Pose::new(number(0), number(1), number(2));
             let believed = map_from_odom.then(&start);
-            assert!((believed.distance_m(&start) - 2.0).abs() < 1.0e-9);
-            assert!(believed.distance_m(&start.then(&TOLD)) < 1.0e-9);
+            assert!((believed.distance_m(&start) - off_m).abs() < 1.0e-9);
+            assert!(believed.distance_m(&start.then(&TOLD[class])) < 1.0e-9);
         }
     }
 }

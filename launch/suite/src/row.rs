@@ -19,6 +19,9 @@ const BESIDE_THE_GOAL: &str = "stopped beside the goal";
 /// The same where its pose was wrong.
 const WRONG_PLACE: &str = "took another place for its own";
 
+/// The same where it was told the truth and did not believe that.
+const LOST: &str = "took itself to be lost";
+
 /// One run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
@@ -88,6 +91,9 @@ pub struct Row {
     /// The same of its yaw. [rad]
     #[serde(default)]
     pub pose_error_rad: Option<f64>,
+    /// How often the robot no longer knew where it was.
+    #[serde(default)]
+    pub lost: Option<usize>,
     /// Hash of the run.
     pub run_hash: Option<String>,
     /// Why the run may go otherwise the next time; null when it does not.
@@ -169,6 +175,7 @@ impl Row {
             wall_s: Some(run.wall_s),
             pose_error_m: run.pose.as_ref().map(|pose| pose.error_m_last),
             pose_error_rad: run.pose.as_ref().and_then(|pose| pose.error_rad_last),
+            lost: run.pose.as_ref().map(|pose| pose.lost),
             run_hash: run.run_hash.clone(),
             not_reproducible: match run.reproducible {
                 Some(_) if finish.hung => Some(by_the_suite(case)),
@@ -235,6 +242,7 @@ impl Row {
             wall_s: None,
             pose_error_m: None,
             pose_error_rad: None,
+            lost: None,
             run_hash: None,
             not_reproducible: None,
             directory: None,
@@ -313,7 +321,11 @@ fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> O
             goal_distance_m.is_some_and(|distance_m| distance_m <= *tolerance_m),
             BESIDE_THE_GOAL,
         ),
-        Success::Found { off_m, off_rad } => {
+        Success::Found {
+            off_m,
+            off_rad,
+            may_be_lost,
+        } => {
             let pose = run.pose.as_ref();
             let is_there = pose.is_some_and(|pose| {
                 pose.error_m_last <= *off_m
@@ -322,6 +334,9 @@ fn missed(success: &Success, run: &RunResult, goal_distance_m: Option<f64>) -> O
             // However it ended: who is wrong and certain has not found himself.
             if !is_there && pose.is_some_and(|pose| pose.known_last == Some(true)) {
                 return Some(WRONG_PLACE.to_owned());
+            }
+            if !may_be_lost && pose.is_some_and(|pose| pose.lost > 0) {
+                return Some(LOST.to_owned());
             }
             (is_there, WRONG_PLACE)
         }

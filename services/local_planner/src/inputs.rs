@@ -4,6 +4,7 @@ use crate::situation::Future;
 use crate::staleness::Ages;
 use nalgebra::Point2;
 use zeronav_motion::{Ahead, InFlight, Twist};
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
@@ -35,8 +36,8 @@ pub struct Inputs<'a> {
     pub odometry: Option<&'a Odometry>,
     /// `map_from_odom` of the newest map, with the map.
     pub map: Option<(Pose, MapView<'a>)>,
-    /// The robot knows where it is on that map, see [`zeronav_msgs::map::MapInfo::knows_pose`].
-    pub knows_pose: bool,
+    /// How far the robot knows where it is on that map.
+    pub certainty: PoseCertainty,
     /// Grows when cells of the map change.
     pub map_cells: u64,
     /// Tracked obstacles in the map frame and their age. [s]

@@ -30,6 +30,7 @@ pub mod past_hits;
 mod patience;
 pub mod period;
 pub mod pilot;
+mod planned;
 pub mod progress;
 mod record;
 pub mod recovery;

@@ -21,9 +21,9 @@ impl Patience {
         seconds(self.waited_ns)
     }
 
-    /// A period without: the time stands still.
-    pub(crate) fn pause(&mut self) {
-        self.last_ns = None;
+    /// A period without: the time stands still. True when it has waited until now.
+    pub(crate) fn pause(&mut self) -> bool {
+        self.last_ns.take().is_some()
     }
 
     /// The robot has come closer.
@@ -48,7 +48,7 @@ mod tests {
                 .unwrap_or(0.0)
         };
         assert!((waited(&mut patience, 3, 8) - 5.0).abs() < 1e-9);
-        patience.pause();
+        assert!(patience.pause() && !patience.pause());
         assert!((waited(&mut patience, 20, 22) - 7.0).abs() < 1e-9);
         patience.pause();
         patience.renew();

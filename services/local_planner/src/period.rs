@@ -167,7 +167,7 @@ impl LocalPlanner {
             path: inputs.path.and_then(|input| Planned::of(input.path)),
             remaining: route.map(|route| (route.place.remaining_m, route.geometry)),
             turns: self.turns,
-            knows_pose: inputs.knows_pose,
+            certainty: inputs.certainty,
             given_up: matches!(self.behaviour(), Behaviour::GiveUp(_)),
             moves_at_goal: self
                 .task
@@ -327,7 +327,7 @@ impl LocalPlanner {
         let odometry = inputs.odometry.ok_or(stale(StaleInput::Odometry))?;
         let (_, map) = inputs.map.ok_or(stale(StaleInput::Map))?;
         let map_from_base = map_from_base.ok_or(stale(StaleInput::Map))?;
-        if !inputs.knows_pose {
+        if !inputs.certainty.is_known() {
             return Err(stale(StaleInput::Pose));
         }
         let (robot, corners) = inputs.robot.ok_or((Validity::Stale, None))?;
@@ -422,7 +422,11 @@ impl LocalPlanner {
 
     /// The recovery while the robot is idle: it forgets its goal, or learns that the task has failed.
     fn idle_recovery(&mut self, inputs: &Inputs<'_>, step: TaskStep) -> Option<Transition> {
-        let goal = self.task.goal().map_or(0, |goal| goal.id);
+        // Of a robot that does not know where it is everything was tried elsewhere.
+        let was_elsewhere =
+            !inputs.certainty.is_known() && matches!(self.behaviour(), Behaviour::GiveUp(_));
+        let goal = self.task.goal().filter(|_| !was_elsewhere);
+        let goal = goal.map_or(0, |goal| goal.id);
         let recovery = self.recovery.as_mut()?;
         recovery.idle(seconds(inputs.run_ns), goal, step.stuck)
     }

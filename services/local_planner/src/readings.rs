@@ -283,7 +283,7 @@ impl Readings {
                 .map
                 .view()
                 .map(|map| (self.map.info().map_from_odom, map)),
-            knows_pose: self.map.info().knows_pose(),
+            certainty: self.map.info().certainty(),
             map_cells: self.map_cells,
             obstacles: tracked.unwrap_or((&[], 0.0)),
             path: self.path.get().map(|view| PathInput {

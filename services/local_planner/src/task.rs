@@ -1,11 +1,12 @@
 //! The task: which goal is current, and what became of the others.
 
 use crate::patience::Patience;
+pub use crate::planned::Planned;
 use crate::stall::{Stall, Stalled};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
-use zeronav_msgs::map::ObstacleSource;
-use zeronav_msgs::path::{Path, PathStatus};
+use zeronav_msgs::certainty::PoseCertainty;
+use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::task::{
     EndReason, GOALS_MAX, Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus,
@@ -31,6 +32,9 @@ parameters! {
         /// Run time without progress after which the task fails as stuck. Waiting for what blocks the
         /// way does not count.
         stuck_s: f64 = 30.0, [0.1, 3600.0] "s";
+        /// Run time that a goal which would end, as reached or failed, waits at most for what confirms where the robot
+        /// was told to be. In sum, since the robot last came closer.
+        unconfirmed_s: f64 = 10.0, [0.0, 600.0] "s";
     }
     relations |own| {
         stuck_s: own.stuck_s >= own.no_progress_s, "must be at least no_progress_s";
@@ -47,29 +51,6 @@ fn is_stopped(twist: Twist) -> bool {
     twist.v_mps.abs() < STOPPED_MPS && twist.w_radps.abs() < STOPPED_RADPS
 }
 
-/// What the newest path message says, as far as the task is judged by it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Planned {
-    /// The outcome.
-    pub status: PathStatus,
-    /// [`Goal::id`] that it is for.
-    pub goal: u64,
-    /// Where the obstacle comes from because of which there is no path.
-    pub source: ObstacleSource,
-}
-
-impl Planned {
-    /// What a message says; `None` for unknown codes.
-    #[must_use]
-    pub fn of(path: &Path) -> Option<Self> {
-        Some(Self {
-            status: path.status()?,
-            goal: path.goal,
-            source: path.source()?,
-        })
-    }
-}
-
 /// What the task is judged by in one period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[allow(clippy::struct_excessive_bools, reason = "independent observations")]
@@ -80,8 +61,8 @@ pub struct TaskInputs {
     pub run_ns: u64,
     /// `map_from_base` and the measured twist; `None` = unknown.
     pub robot: Option<(Pose, Twist)>,
-    /// The robot knows where it is; otherwise it can neither have arrived nor be shut in.
-    pub knows_pose: bool,
+    /// How far the robot knows where it is: unless that is confirmed it can neither have arrived nor be shut in.
+    pub certainty: PoseCertainty,
     /// The newest path.
     pub path: Option<Planned>,
     /// [m] along the path to its end and the id of its geometry, when it leads to the goal at
@@ -150,6 +131,8 @@ pub struct TaskMachine {
     was_free: bool,
     stall: Stall,
     patience: Patience,
+    /// Waits for the pose to be confirmed.
+    doubt: Patience,
     wait: Option<Wait>,
     remaining_m: f64,
 }
@@ -175,6 +158,7 @@ impl TaskMachine {
             was_free: false,
             stall: Stall::default(),
             patience: Patience::default(),
+            doubt: Patience::default(),
             wait: None,
             remaining_m: 0.0,
         }
@@ -305,14 +289,17 @@ impl TaskMachine {
             || pose.distance_m(&goal.pose),
             |(remaining_m, _)| remaining_m,
         );
-        if inputs.knows_pose && self.is_reached(&goal, &pose, twist) {
-            self.reach(inputs);
-            step.changed = true;
-            return step;
+        let knows_pose = inputs.certainty.is_known();
+        if !knows_pose && self.doubt.pause() {
+            // What it waited with was tried elsewhere.
+            self.stall = Stall::default();
         }
-        if let Some(reason) = self.failure(&goal, inputs, twist) {
-            self.end(inputs.tick, TaskState::Failed, reason);
-            step.changed = true;
+        let reached = knows_pose && self.is_reached(&goal, &pose, twist);
+        let failure = (!reached)
+            .then(|| self.failure(&goal, inputs, twist))
+            .flatten();
+        if reached || failure.is_some() {
+            step.changed = self.conclude(inputs, failure);
             return step;
         }
         let geometry = inputs.remaining.map_or(0, |(_, geometry)| geometry);
@@ -331,16 +318,38 @@ impl TaskMachine {
         );
         if closer {
             self.patience.renew();
+            self.doubt.renew();
         }
         (step.stalled_s, step.idle_s) = (far_s, idle_s);
-        if idle_s > self.config.stuck_s || inputs.given_up {
-            step.stuck = true;
-            self.end(inputs.tick, TaskState::Failed, EndReason::Stuck);
-            step.changed = true;
+        if idle_s > self.config.stuck_s || (inputs.given_up && knows_pose) {
+            step.changed = self.conclude(inputs, Some(EndReason::Stuck));
+            step.stuck = step.changed;
         } else {
+            self.doubt.pause();
             step.no_progress = idle_s > self.config.no_progress_s;
         }
         step
+    }
+
+    /// The current goal ends, as reached without a failure, unless nothing has confirmed where the robot is: then it
+    /// waits for that. True when it has ended.
+    fn conclude(&mut self, inputs: &TaskInputs, failure: Option<EndReason>) -> bool {
+        if inputs.certainty == PoseCertainty::Confirmed {
+            match failure {
+                None => self.reach(inputs),
+                Some(reason) => self.end(inputs.tick, TaskState::Failed, reason),
+            }
+            return true;
+        }
+        let left_s = self.config.unconfirmed_s - self.doubt.wait(inputs.run_ns);
+        if inputs.certainty.is_known() && left_s > 0.0 {
+            let reason = EndReason::PoseUnknown;
+            self.wait = Some(Wait { reason, left_s });
+            self.stall.hold(inputs.run_ns);
+            return false;
+        }
+        self.end(inputs.tick, TaskState::Failed, EndReason::PoseUnknown);
+        true
     }
 
     /// Lets the pending task take over when its tick has come.
@@ -380,7 +389,7 @@ impl TaskMachine {
         self.failing_since_ns = None;
         self.was_free = false;
         self.stall = Stall::default();
-        self.patience = Patience::default();
+        (self.patience, self.doubt) = (Patience::default(), Patience::default());
         self.wait = None;
     }
 
@@ -408,14 +417,14 @@ impl TaskMachine {
         let planned = inputs.path.filter(|planned| planned.goal == goal.id);
         self.was_free |= planned.is_some_and(|planned| planned.status == PathStatus::Found);
         let failing = planned
-            .and_then(|planned| Some((planned, end_of(planned.status)?)))
-            .filter(|_| inputs.knows_pose && is_stopped(twist));
+            .and_then(|planned| Some((planned, planned.end()?)))
+            .filter(|_| inputs.certainty.is_known() && is_stopped(twist));
         let Some((planned, reason)) = failing else {
             self.failing_since_ns = None;
             self.patience.pause();
             return None;
         };
-        if self.may_open(planned, inputs.moves_at_goal) {
+        if planned.may_open(self.was_free, inputs.moves_at_goal) {
             self.failing_since_ns = None;
             let left_s = self.config.blocked_goal_s - self.patience.wait(inputs.run_ns);
             if left_s <= 0.0 {
@@ -428,21 +437,6 @@ impl TaskMachine {
         let since_ns = *self.failing_since_ns.get_or_insert(inputs.run_ns);
         let lasted_s = seconds(inputs.run_ns.saturating_sub(since_ns));
         (lasted_s >= self.config.failure_s).then_some(reason)
-    }
-
-    /// True when there may be a path soon though nothing is done: what is in the way is not in the
-    /// static map, came after a path had led to the goal, or moves.
-    const fn may_open(&self, planned: Planned, moves_at_goal: bool) -> bool {
-        let may_go = matches!(
-            planned.source,
-            ObstacleSource::Lidar | ObstacleSource::Tracked
-        );
-        match planned.status {
-            PathStatus::StartBlocked => may_go,
-            PathStatus::GoalBlocked => may_go || self.was_free || moves_at_goal,
-            PathStatus::Unreachable | PathStatus::UnreachableCorner => may_go || self.was_free,
-            _ => false,
-        }
     }
 
     /// The current goal and the task with it end.
@@ -463,21 +457,6 @@ impl TaskMachine {
                 spare: 0,
             });
         }
-    }
-}
-
-/// The end that a path's status leads to when it lasts.
-const fn end_of(status: PathStatus) -> Option<EndReason> {
-    match status {
-        PathStatus::NoGoal | PathStatus::Found => None,
-        PathStatus::Unreachable | PathStatus::UnreachableCorner => Some(EndReason::Unreachable),
-        PathStatus::GoalBlocked => Some(EndReason::GoalBlocked),
-        PathStatus::GoalOutsideMap => Some(EndReason::GoalOutsideMap),
-        PathStatus::StartOutsideMap
-        | PathStatus::StartBlocked
-        | PathStatus::DeadEnd
-        | PathStatus::OutOfBudget
-        | PathStatus::TooLong => Some(EndReason::NoPath),
     }
 }
 

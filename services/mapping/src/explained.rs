@@ -36,6 +36,13 @@ impl Explained {
         if all > 0.0 { self.on / all } else { 0.0 }
     }
 
+    /// Adds what the map says of other beams.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.on += other.on;
+        self.new += other.new;
+        self.through += other.through;
+    }
+
     /// Beams that the map says something of.
     pub(crate) fn judged(&self) -> f64 {
         self.on + self.new + self.through
@@ -89,6 +96,13 @@ impl<'a> Walls<'a> {
             }
         }
         sum
+    }
+
+    /// True for a point in an obstacle of the static map.
+    pub(crate) fn is_inside(self, point_in_map: Point2<f64>) -> bool {
+        let geometry = self.mapper.geometry();
+        let index = geometry.index_of(geometry.unbounded_cell_at(point_in_map));
+        index.is_some_and(|index| self.mapper.cells()[index].flags & FLAG_STATIC != 0)
     }
 
     /// True when something is known of a point by map or scans.

@@ -7,7 +7,7 @@ use crate::scan_odometry::ScanOdometry;
 use crate::slip::Ends;
 use nalgebra::{Matrix3, Point2, Vector3};
 use zeronav_msgs::Pose;
-use zeronav_msgs::map::{POSE_SIGMA_M_MAX, POSE_SIGMA_RAD_MAX};
+use zeronav_msgs::certainty::{POSE_SIGMA_M_MAX, POSE_SIGMA_RAD_MAX, POSE_SIGMA_TOLD};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_params::{choices, parameters};
 
@@ -196,9 +196,10 @@ impl Localiser {
 
     /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad] On a map of its own
     /// making that is against where the map began, and grows with the way. As long as the pose is
-    /// uncertain its deviations are above those from which on nobody may rely on it.
+    /// uncertain its deviations are above those from which on nobody may rely on it, and above those of a pose that
+    /// was told until it `is_confirmed`; where `odom` is `map` nothing was told.
     #[must_use]
-    pub fn covariance(&self) -> [f64; 6] {
+    pub fn covariance(&self, is_confirmed: bool) -> [f64; 6] {
         let mut c = self.drift;
         if self.lost {
             let most = Vector3::new(LOST.0, LOST.0, LOST.1);
@@ -208,6 +209,11 @@ impl Localiser {
             let yaw_rad = self.unknown.1 + UNCERTAIN * POSE_SIGMA_RAD_MAX;
             let most = Vector3::new(place_m, place_m, yaw_rad);
             c += Matrix3::from_diagonal(&most.component_mul(&most));
+        } else if !is_confirmed && (self.active || self.map_from_odom != Pose::default()) {
+            let (place_m, yaw_rad) = POSE_SIGMA_TOLD;
+            for (axis, least) in [place_m, place_m, yaw_rad].into_iter().enumerate() {
+                c[(axis, axis)] = c[(axis, axis)].max(least.powi(2));
+            }
         }
         [
             c[(0, 0)],

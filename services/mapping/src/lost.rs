@@ -3,8 +3,12 @@
 //! A robot that was carried away, or was told a wrong place, sees walls where there are none and looks through those that
 //! there are. Furniture that was moved does the same to some beams, people and boxes end many of them short: so what counts
 //! is that the map explains little *and* is contradicted, and for a while.
+//!
+//! A robot that was told where it is does not know that before the map has explained what it sees. Until then fewer beams
+//! speak against the place, and what a robot sees of a bare hall adds up while it drives.
 
 use crate::explained::Explained;
+use zeronav_msgs::Pose;
 
 /// What a beam counts that has met something new, beside one that is explained or contradicts the map.
 const NEW_COUNTS: f64 = 0.3;
@@ -13,6 +17,15 @@ const NEW_COUNTS: f64 = 0.3;
 /// that sees nothing is blind.
 const CONTRADICTS: f64 = 0.12;
 const JUDGED_MIN: f64 = 25.0;
+
+/// The same number while the place is not confirmed.
+const JUDGED_MIN_UNCONFIRMED: f64 = 10.0;
+
+/// How far a robot drives until it sees something else. [m]
+const VIEW_M: f64 = 0.5;
+
+/// How much faster a robot is lost whose place lies in an obstacle of the map.
+const INSIDE_COUNTS: f64 = 4.0;
 
 /// Share of the beams that end where nothing is known from which on a place is off the map, unless the map has explained
 /// what is seen from there before.
@@ -27,6 +40,20 @@ const FORGETS: f64 = 2.0;
 /// Scans of which one is looked at closely, however well it lies on the map: it may lie on the far sides of its walls.
 const CLOSELY_EVERY: u32 = 10;
 
+/// What the map says of a scan.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Judged {
+    pub(crate) explained: Explained,
+    /// Beams that ended where beams count.
+    pub(crate) n_ends: f64,
+    /// Where the robot takes itself to be.
+    pub(crate) map_from_base: Pose,
+    /// There it would stand in an obstacle of the map.
+    pub(crate) is_inside: bool,
+    /// Since the last scan. [s]
+    pub(crate) elapsed_s: f64,
+}
+
 /// Takes in what the map explains of every scan.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LostWatch {
@@ -34,6 +61,11 @@ pub(crate) struct LostWatch {
     seems_s: f64,
     /// The map has explained what is seen.
     confirmed: bool,
+    /// What it has said of one scan of every view, until it is confirmed, how many beams of these ended, and from where the
+    /// last one was.
+    views: Explained,
+    view_ends: f64,
+    last_view: Option<Pose>,
     /// Scans since the last close look.
     n_glances: u32,
 }
@@ -53,117 +85,85 @@ impl LostWatch {
         }
     }
 
-    /// Takes in a scan that lies on the map at a first look; false when that is not enough: one in ten, and every
-    /// one of a robot that seems to be lost, wants a closer look.
-    pub(crate) fn is_fine(&mut self) -> bool {
-        self.n_glances += 1;
-        self.seems_s <= 0.0 && self.n_glances < CLOSELY_EVERY
+    /// Of a robot that was uncertain meanwhile.
+    pub(crate) fn again(self) -> Self {
+        Self {
+            confirmed: self.confirmed,
+            ..Self::default()
+        }
     }
 
-    /// Takes in what the map says of a scan, `elapsed_s` after the last one, of which `n_ends` beams ended where beams count; true
-    /// when the robot is lost: the map explains less than the share `below`, and has for long. Where all that is seen is
-    /// new, as in a hall that the lidar does not reach across, nothing says that the robot is elsewhere.
-    pub(crate) fn is_lost(
-        &mut self,
-        explained: &Explained,
-        n_ends: f64,
-        below: f64,
-        elapsed_s: f64,
-    ) -> bool {
+    /// True once the map has explained what is seen.
+    pub(crate) fn is_confirmed(&self) -> bool {
+        self.confirmed
+    }
+
+    /// Takes in a scan that lies on the map at a first look; false when that is not enough: one in ten, and every
+    /// one of a robot that seems to be lost or is not confirmed, wants a closer look.
+    pub(crate) fn is_fine(&mut self) -> bool {
+        self.n_glances += 1;
+        self.confirmed && self.seems_s <= 0.0 && self.n_glances < CLOSELY_EVERY
+    }
+
+    /// Takes in what the map says of a scan; true when the robot is lost: the map explains less than the share `below`,
+    /// and has for long. Where all that is seen is new, as in a hall that the lidar does not reach across, nothing says that
+    /// the robot is elsewhere.
+    pub(crate) fn is_lost(&mut self, scan: &Judged, below: f64) -> bool {
         self.n_glances = 0;
-        let is_judged = explained.judged().min(n_ends) >= JUDGED_MIN;
-        let is_elsewhere = is_judged && seems_elsewhere(explained, below);
-        let is_off =
-            !self.confirmed && n_ends >= JUDGED_MIN && explained.judged() < (1.0 - OFF) * n_ends;
-        if is_elsewhere || is_off {
+        let Judged {
+            explained,
+            n_ends,
+            elapsed_s,
+            ..
+        } = *scan;
+        let n_judged = explained.judged().min(n_ends);
+        if self.confirmed {
+            let is_judged = n_judged >= JUDGED_MIN;
+            self.count(
+                is_judged && seems_elsewhere(&explained, below),
+                is_judged,
+                elapsed_s,
+            );
+            return self.seems_s >= LASTS_S;
+        }
+        if scan.is_inside {
+            self.seems_s += INSIDE_COUNTS * elapsed_s;
+            return self.seems_s >= LASTS_S;
+        }
+        let (views, n_viewed) = self.add_view(scan);
+        let fits = |seen: &Explained, n: f64| n >= JUDGED_MIN && seen.share(1.0) >= below;
+        let is_off = n_ends >= JUDGED_MIN && explained.judged() < (1.0 - OFF) * n_ends;
+        let is_judged = n_judged >= JUDGED_MIN_UNCONFIRMED;
+        let differs = is_off || (is_judged && seems_elsewhere(&explained, below));
+        // What one scan says alone outweighs what others have said from elsewhere.
+        let fits_alone = !differs && fits(&explained, n_judged);
+        let views_differ = n_viewed >= JUDGED_MIN && seems_elsewhere(&views, below);
+        let is_elsewhere = differs || (views_differ && !fits_alone);
+        self.count(is_elsewhere, is_judged, elapsed_s);
+        self.confirmed = fits_alone || (!is_elsewhere && fits(&views, n_viewed));
+        self.seems_s >= LASTS_S
+    }
+
+    /// Takes in whether a scan says that the robot is elsewhere, or nothing when it is not judged.
+    fn count(&mut self, is_elsewhere: bool, is_judged: bool, elapsed_s: f64) {
+        if is_elsewhere {
             self.seems_s += elapsed_s;
         } else if is_judged {
-            self.confirmed |= explained.share(1.0) >= below;
             self.seems_s = (self.seems_s - FORGETS * elapsed_s).max(0.0);
         }
-        self.seems_s >= LASTS_S
+    }
+
+    /// Adds a scan to the views unless it shows the last one again; all of them, and how many beams are judged.
+    fn add_view(&mut self, scan: &Judged) -> (Explained, f64) {
+        let at = &scan.map_from_base;
+        if (self.last_view).is_none_or(|last| last.distance_m(at) >= VIEW_M) {
+            self.last_view = Some(*at);
+            self.views.add(&scan.explained);
+            self.view_ends += scan.n_ends;
+        }
+        (self.views, self.views.judged().min(self.view_ends))
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What the map says of a scan that lies on it.
-    const FITS: Explained = Explained {
-        on: 60.0,
-        new: 0.0,
-        through: 0.0,
-    };
-
-    /// After how many scans of 0.1 s with so many beams explained, new and through walls the robot is lost.
-    fn lost_after(on: f64, new: f64, through: f64) -> Option<usize> {
-        let mut watch = LostWatch::default();
-        let seen = Explained { on, new, through };
-        (1..100).find(|_| watch.is_lost(&seen, on + new + through, 0.6, 0.1))
-    }
-
-    #[test]
-    fn who_sees_through_walls_and_explains_little_is_lost() {
-        let after = lost_after(10.0, 40.0, 40.0).expect("lost");
-        assert!((20..=21).contains(&after), "{after}");
-    }
-
-    #[test]
-    fn moved_furniture_crowds_and_bare_halls_are_not_lost() {
-        assert_eq!(lost_after(60.0, 20.0, 20.0), None, "furniture was moved");
-        assert_eq!(lost_after(10.0, 80.0, 2.0), None, "people stand around");
-        assert_eq!(lost_after(2.0, 2.0, 15.0), None, "too few beams");
-        assert_eq!(lost_after(0.0, 60.0, 0.0), None, "all that is seen is new");
-    }
-
-    /// Laid on the other sides of its walls a scan looks fine at first.
-    #[test]
-    fn now_and_then_it_looks_closely() {
-        let mut watch = LostWatch::default();
-        let through = Explained {
-            through: 60.0,
-            ..Explained::default()
-        };
-        let lost = (1..100).find(|_| !watch.is_fine() && watch.is_lost(&through, 60.0, 0.6, 0.1));
-        assert!(lost.is_some_and(|n| n <= 30), "{lost:?}");
-    }
-
-    #[test]
-    fn a_place_off_the_map_is_not_believed_unless_it_was_on_it_before() {
-        let nothing = Explained::default();
-        let after =
-            |watch: &mut LostWatch| (1..100).find(|_| watch.is_lost(&nothing, 60.0, 0.6, 0.1));
-        let mut watch = LostWatch::default();
-        assert!(!watch.is_lost(&FITS, 60.0, 0.6, 0.1));
-        assert_eq!(after(&mut watch), None);
-        assert!(after(&mut LostWatch::default()).is_some());
-    }
-
-    #[test]
-    fn a_blind_lidar_does_not_make_a_robot_lost() {
-        let mut watch = LostWatch::default();
-        let nothing = Explained {
-            through: 30.0,
-            ..Explained::default()
-        };
-        assert!((1..100).all(|_| !watch.is_lost(&nothing, 3.0, 0.6, 0.1)));
-    }
-
-    #[test]
-    fn a_moment_is_forgotten() {
-        let mut watch = LostWatch::default();
-        let bad = Explained {
-            through: 90.0,
-            ..Explained::default()
-        };
-        for _ in 0..100 {
-            for _ in 0..12 {
-                assert!(!watch.is_lost(&bad, 90.0, 0.6, 0.1));
-            }
-            for _ in 0..7 {
-                assert!(!watch.is_lost(&FITS, 60.0, 0.6, 0.1));
-            }
-        }
-    }
-}
+mod tests;

@@ -17,6 +17,7 @@ use crate::tracker::{ScanView, Tracker};
 use crate::true_motion::TrueMotion;
 use nalgebra::{Matrix3, Point2};
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::obstacles::Obstacle;
@@ -151,7 +152,7 @@ impl Mapping {
         self.localiser
             .resume(info.map_from_odom, info.covariance, can_search);
         if let Some(relocaliser) = &mut self.relocaliser
-            && !self.localiser.is_uncertain()
+            && info.certainty() == PoseCertainty::Confirmed
         {
             relocaliser.confirm();
         }
@@ -483,7 +484,10 @@ impl Mapping {
     /// `map_from_odom`, and the covariance of the robot's pose with it.
     #[must_use]
     pub fn map_from_odom(&self) -> (Pose, [f64; 6]) {
-        (self.localiser.map_from_odom(), self.localiser.covariance())
+        let relocaliser = self.relocaliser.as_ref();
+        let is_confirmed = relocaliser.is_none_or(Relocaliser::is_confirmed);
+        let covariance = self.localiser.covariance(is_confirmed);
+        (self.localiser.map_from_odom(), covariance)
     }
 
     /// What moves, in the map, at the last scan.

@@ -11,7 +11,7 @@ use crate::explained::{Explained, Walls};
 use crate::global_search::GlobalSearch;
 use crate::localisation::StartPose;
 use crate::localiser::CorrectionMode;
-use crate::lost::{LostWatch, seems_elsewhere};
+use crate::lost::{Judged, LostWatch, seems_elsewhere};
 use crate::mapper::Mapper;
 use crate::places::{Held, exact, is_near, is_same, lay, motion, search_map};
 use crate::scan_match::Match;
@@ -194,10 +194,15 @@ impl Relocaliser {
     }
 
     /// As [`Self::restart`], where the map has explained what is seen: the robot was found, or takes over from a process
-    /// that knew where it is.
+    /// that knew where it is and had seen that.
     pub(crate) fn confirm(&mut self) {
         self.restart();
         self.watch = LostWatch::confirmed();
+    }
+
+    /// True when nothing is to be confirmed, or the map has explained what the robot sees.
+    pub(crate) fn is_confirmed(&self) -> bool {
+        self.lost_below <= 0.0 || self.watch.is_confirmed()
     }
 
     /// How far the robot knows where it is.
@@ -218,8 +223,10 @@ impl Relocaliser {
             return self.seek(sight, stands);
         }
         if !matches!(self.stage, Stage::Known) {
-            // It lies on the map again, near by.
-            self.confirm();
+            // It lies on the map again, near by: it knows as much as before.
+            let watch = self.watch;
+            self.restart();
+            self.watch = watch.again();
         }
         self.uncertain_s = 0.0;
         if self.is_lost(sight, stands, elapsed_s) {
@@ -259,8 +266,14 @@ impl Relocaliser {
             self.range_m_max,
             |point| sight.mapper.is_near_static(point),
         );
-        self.watch
-            .is_lost(&explained, n, self.lost_below, elapsed_s)
+        let judged = Judged {
+            explained,
+            n_ends: n,
+            map_from_base: sight.map_from_base,
+            is_inside: Walls::of(sight.mapper).is_inside(sight.map_from_base.point()),
+            elapsed_s,
+        };
+        self.watch.is_lost(&judged, self.lost_below)
     }
 
     /// Goes on with the search.
@@ -366,9 +379,7 @@ impl Relocaliser {
             let seen = walls.explain(beams, &pose, self.range_m_max, |point| {
                 surfaces.distance_m(point) <= on_m && sight.mapper.is_near_static(point)
             });
-            place.explained.on += seen.on;
-            place.explained.new += seen.new;
-            place.explained.through += seen.through;
+            place.explained.add(&seen);
         }
     }
 

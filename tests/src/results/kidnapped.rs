@@ -6,9 +6,10 @@ use super::record::{Row, Table};
 use super::spread::Figure;
 use serde_json::Value;
 
-const COLUMNS: [&str; 7] = [
+const COLUMNS: [&str; 8] = [
     "found",
     "wrong and certain",
+    "lost",
     "contacts",
     "run time [s]",
     "at most [s]",
@@ -68,6 +69,7 @@ fn row(name: &str, runs: &[&Value]) -> Row {
         figures: vec![
             rate(&|run| run["success"] == true),
             rate(&|run| run["wrong_arrival"] == true),
+            rate(&|run| touches(run, "lost")),
             rate(&|run| touches(run, "contacts_moving") || touches(run, "contacts_standing")),
             Figure::median(&times_s),
             Figure::plain(most_s),
@@ -86,7 +88,7 @@ mod tests {
     fn robots_are_counted_by_what_they_were_told_and_by_map() {
         let run = |world: &str, class: &str, success: bool, wrong: bool| {
             json!({"world": world, "class": class, "success": success, "wrong_arrival": wrong, "time_s": 2.0,
-                   "contacts_moving": 0, "contacts_standing": 0, "pose_error_m": 0.02, "pose_error_rad": 0.01})
+                   "lost": u32::from(class == "told_wrong"), "contacts_moving": 0, "contacts_standing": 0, "pose_error_m": 0.02, "pose_error_rad": 0.01})
         };
         let runs = [
             run("hall_a_00", "told_nothing", true, false),
@@ -105,7 +107,9 @@ mod tests {
         assert_eq!(names, expected);
         assert_eq!(table.rows[0].n, 2);
         assert_eq!(table.rows[0].figures[0], Figure::rate(1, 2));
-        assert_eq!(table.rows[0].figures[5], Figure::median(&[2.0]));
+        assert_eq!(table.rows[0].figures[6], Figure::median(&[2.0]));
         assert_eq!(table.rows[3].figures[1], Figure::rate(1, 1));
+        assert_eq!(table.rows[0].figures[2], Figure::rate(0, 2));
+        assert_eq!(table.rows[3].figures[2], Figure::rate(1, 1));
     }
 }

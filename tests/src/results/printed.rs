@@ -42,6 +42,26 @@ pub(super) fn with_data(
     ))
 }
 
+/// Robots that may be anywhere on the map of a real log.
+pub(super) fn lost_in_a_log(bench: &mut Bench) -> Result<Measured, String> {
+    let arguments = [
+        "run",
+        "--release",
+        "--quiet",
+        "-p",
+        "zeronav-mapping",
+        "--no-default-features",
+        "--example",
+        "carmen",
+        "--",
+        "--lost",
+        "50",
+    ];
+    Ok(Measured::printed(
+        &bench.cargo_with_data(&arguments, "rosmaps")?,
+    ))
+}
+
 pub(super) fn mapping_scale(bench: &mut Bench) -> Result<Measured, String> {
     let text = bench.cargo(&[
         "run",

@@ -472,7 +472,7 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
     ]);
     assert_eq!(ended.code(), 2, "{}", ended.stderr);
     assert!(
-        ended.stderr.contains("have the worlds 0..160"),
+        ended.stderr.contains("have the worlds 0..240"),
         "{}",
         ended.stderr
     );

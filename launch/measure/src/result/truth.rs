@@ -19,9 +19,12 @@ pub struct PoseResult {
     /// Error of the yaw at the last scan; older results are without. [rad]
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_rad_last: Option<f64>,
-    /// Whether the robot knew where it was at the last scan; older results are without.
+    /// Whether the robot knew where it was at the last scan, and had that confirmed; older results are without.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub known_last: Option<bool>,
+    /// How often the robot no longer knew where it was.
+    #[serde(default)]
+    pub lost: usize,
     /// True place and yaw of the robot at the last scan, `map` frame. [m, m, rad]
     pub true_pose_last: [f64; 3],
     /// Largest distance of the odometry alone from the true place. [m]

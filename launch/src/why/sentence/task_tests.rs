@@ -60,6 +60,23 @@ fn a_wait_is_told_with_its_reason_and_what_is_left_of_it() {
     assert!(!shut.may_open());
 }
 
+/// Whatever the local planner asks for meanwhile.
+#[test]
+fn a_goal_that_waits_for_its_robot_to_know_where_it_is_says_so() {
+    for validity in [Validity::AtGoal, Validity::NoPath, Validity::Blocked] {
+        let mut moment = standing(validity, RequestCause::None);
+        moment.path = Some(path(PathStatus::StartBlocked));
+        moment.task = Some(Task {
+            waits_s: 7,
+            ..over(TaskState::Active, EndReason::PoseUnknown, StuckCause::None)
+        });
+        let words = [
+            "nothing that it sees has confirmed where it was told to be; 7 s more, then the goal fails",
+        ];
+        says(&moment, &Around::default(), &words);
+    }
+}
+
 #[test]
 fn the_end_of_a_task_is_told_with_its_reason() {
     let mut moment = standing(Validity::NoPath, RequestCause::None);
@@ -82,6 +99,10 @@ fn the_end_of_a_task_is_told_with_its_reason() {
             "the goal is not on the map",
         ),
         (failed(EndReason::NoPath), "had no path for too long."),
+        (
+            failed(EndReason::PoseUnknown),
+            "`zeronav pose` says where it is. Another",
+        ),
         (
             stuck(StuckCause::Blocked),
             "got stuck, because no motion was admissible.",

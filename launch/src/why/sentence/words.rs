@@ -60,12 +60,24 @@ pub(in crate::why) fn failure(task: &Task) -> String {
                 opening(blocked)
             ),
         },
+        (EndReason::PoseUnknown, _) => {
+            "the robot did not know where it is for too long, or nothing that it sees has confirmed where it was \
+             told to be; `zeronav pose` says where it is"
+                .to_owned()
+        }
         (EndReason::None, _) => "no reason was told".to_owned(),
     }
 }
 
 /// What a task waits for, and for how long at most.
 pub(in crate::why) fn waiting(task: &Task) -> String {
+    if task.reason == EndReason::PoseUnknown {
+        return format!(
+            "The robot would be at its goal, or give it up, but nothing that it sees has confirmed where it was told to \
+             be; {} s more, then the goal fails ({})",
+            task.waits_s, task.reason
+        );
+    }
     format!(
         "The robot waits for what is in its way to go, and takes any way that opens; {} s more, then the \
          goal fails: {} ({})",

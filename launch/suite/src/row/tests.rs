@@ -72,10 +72,12 @@ fn finish(run: RunResult) -> Finish {
 #[test]
 fn who_is_found_knows_where_he_is_and_who_is_wrong_and_certain_is_counted() {
     let mut case = case(true);
-    case.rule.success = Success::Found {
+    let found = |may_be_lost| Success::Found {
         off_m: 0.5,
         off_rad: 0.3,
+        may_be_lost,
     };
+    case.rule.success = found(true);
     let row = |(off_m, off_rad): (f64, f64), known: bool, reached: bool, touched: bool| {
         let mut run = run(&[
             ("reached", json!(reached)),
@@ -106,6 +108,15 @@ fn who_is_found_knows_where_he_is_and_who_is_wrong_and_certain_is_counted() {
     assert_eq!(row(near, true, false, false), late);
     let touches = (false, false, cause("contact while standing"));
     assert_eq!(row(near, true, true, true), touches);
+    // Who was told the truth has no reason to be lost, even if he is found again.
+    for (may_be_lost, expected) in [(true, None), (false, cause(LOST))] {
+        case.rule.success = found(may_be_lost);
+        let mut run = run(&[("reached", json!(true)), ("outcome", json!("reached"))]);
+        let pose = run.pose.get_or_insert_default();
+        (pose.error_rad_last, pose.known_last, pose.lost) = (Some(0.0), Some(true), 1);
+        let row = Row::new(&case, &finish(run));
+        assert_eq!((row.lost, row.cause), (Some(1), expected));
+    }
 }
 
 #[test]

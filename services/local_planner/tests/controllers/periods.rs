@@ -8,6 +8,7 @@ use zeronav_local_planner::staleness::{Ages, StaleInput};
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, Outputs, PathInput};
 use zeronav_motion::{InFlight, Twist, reachable};
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::command::{PlannerInput, RequestCause, Validity};
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::odometry::Odometry;
@@ -30,7 +31,7 @@ struct Bench {
     /// Hits of the scan, `map` frame. [m]
     hits: Vec<Point2<f64>>,
     tick: u64,
-    knows_pose: bool,
+    certainty: PoseCertainty,
 }
 
 fn found(goal: u64, geometry: u64, corners: &[(f64, f64)]) -> (Path, Vec<Waypoint>) {
@@ -67,7 +68,7 @@ impl Bench {
             in_flight: InFlight::default(),
             hits: Vec::new(),
             tick: 0,
-            knows_pose: true,
+            certainty: PoseCertainty::Confirmed,
         }
     }
 
@@ -107,7 +108,7 @@ impl Bench {
                 .path
                 .as_ref()
                 .map(|(path, waypoints)| PathInput { path, waypoints }),
-            knows_pose: self.knows_pose,
+            certainty: self.certainty,
             map_cells: 1,
             obstacles: (&[], 0.0),
             future: Future::default(),
@@ -196,14 +197,14 @@ fn a_robot_that_does_not_know_where_it_is_brakes_and_says_so() {
         bench.step();
     }
     assert!(bench.odometry.v_mps > 0.3);
-    bench.knows_pose = false;
+    bench.certainty = PoseCertainty::Unknown;
     let outputs = bench.check(Validity::Stale, Some(StaleInput::Pose));
     assert_eq!(outputs.request.input(), Some(PlannerInput::Pose));
     for _ in 0..100 {
         bench.step();
     }
     assert!(bench.odometry.v_mps.abs() < 1.0e-9);
-    bench.knows_pose = true;
+    bench.certainty = PoseCertainty::Confirmed;
     for _ in 0..50 {
         bench.step();
     }

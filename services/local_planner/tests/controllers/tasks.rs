@@ -3,6 +3,7 @@
 use zeronav_local_planner::task::{Planned, TaskConfig, TaskInputs, TaskMachine, TaskStep};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::{EndReason, Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus};
@@ -42,6 +43,7 @@ fn task(kind: TaskKind, n_goals: u32, from_tick: u64) -> Task {
 }
 
 /// A machine and its time.
+#[derive(Clone)]
 pub(crate) struct Bench {
     pub(crate) machine: TaskMachine,
     pub(crate) tick: u64,
@@ -51,7 +53,8 @@ pub(crate) struct Bench {
     pub(crate) remaining: Option<(f64, u64)>,
     pub(crate) moves_at_goal: bool,
     pub(crate) turns: bool,
-    pub(crate) knows_pose: bool,
+    pub(crate) given_up: bool,
+    pub(crate) certainty: PoseCertainty,
 }
 
 impl Bench {
@@ -68,7 +71,8 @@ impl Bench {
             remaining: None,
             moves_at_goal: false,
             turns: false,
-            knows_pose: true,
+            given_up: false,
+            certainty: PoseCertainty::Confirmed,
         }
     }
 
@@ -81,8 +85,8 @@ impl Bench {
             path: self.path,
             remaining: self.remaining,
             turns: self.turns,
-            knows_pose: self.knows_pose,
-            given_up: false,
+            certainty: self.certainty,
+            given_up: self.given_up,
             moves_at_goal: self.moves_at_goal,
         };
         self.machine.step(&inputs)
@@ -134,13 +138,13 @@ fn goals_are_taken_in_order_and_the_last_one_standing() {
 fn a_robot_that_does_not_know_where_it_is_has_not_arrived() {
     for path in [PathStatus::Found, PathStatus::Unreachable] {
         let mut bench = Bench::with_goals(&[goal(1, 0.0)]);
-        bench.knows_pose = false;
+        bench.certainty = PoseCertainty::Unknown;
         bench.path = planned(path, 1);
         bench.steps(29 * 50);
         bench.check(TaskState::Active, EndReason::None, &[]);
         let mut found_again = Bench {
             machine: bench.machine.clone(),
-            knows_pose: true,
+            certainty: PoseCertainty::Confirmed,
             ..Bench::with_goals(&[goal(1, 0.0)])
         };
         found_again.tick = bench.tick;
@@ -153,9 +157,66 @@ fn a_robot_that_does_not_know_where_it_is_has_not_arrived() {
         bench.steps(2 * 50);
         bench.check(
             TaskState::Failed,
-            EndReason::Stuck,
+            EndReason::PoseUnknown,
             &[(1, TaskState::Failed)],
         );
+    }
+}
+
+/// Nothing that the robot sees has confirmed where it was told to be: no goal ends by that pose, but none waits for ever.
+#[test]
+fn a_goal_waits_while_nothing_confirms_where_the_robot_is() {
+    let cases = [
+        (
+            PathStatus::Found,
+            0.0,
+            false,
+            TaskState::Reached,
+            EndReason::None,
+        ),
+        (
+            PathStatus::StartBlocked,
+            5.0,
+            false,
+            TaskState::Failed,
+            EndReason::NoPath,
+        ),
+        (
+            PathStatus::Unreachable,
+            5.0,
+            false,
+            TaskState::Failed,
+            EndReason::Unreachable,
+        ),
+        (
+            PathStatus::Found,
+            5.0,
+            true,
+            TaskState::Failed,
+            EndReason::Stuck,
+        ),
+    ];
+    for (path, at_m, given_up, state, reason) in cases {
+        let mut bench = Bench::with_goals(&[goal(1, at_m)]);
+        bench.certainty = PoseCertainty::Unconfirmed;
+        bench.path = planned(path, 1);
+        bench.given_up = given_up;
+        bench.steps(9 * 50);
+        bench.check(TaskState::Active, EndReason::PoseUnknown, &[]);
+        let left_s = bench.machine.status().0.waits_s;
+        assert!((1..=3).contains(&left_s), "{path:?}: {left_s} s");
+        let mut confirmed = bench.clone();
+        confirmed.certainty = PoseCertainty::Confirmed;
+        confirmed.step();
+        confirmed.check(state, reason, &[(1, state)]);
+        // It is noticed that the robot is elsewhere.
+        let mut lost = bench.clone();
+        lost.certainty = PoseCertainty::Unknown;
+        lost.steps(15 * 50);
+        lost.check(TaskState::Active, EndReason::None, &[]);
+        bench.steps(3 * 50);
+        let failed = [(1, TaskState::Failed)];
+        bench.check(TaskState::Failed, EndReason::PoseUnknown, &failed);
     }
 }
 
@@ -316,7 +377,7 @@ fn without_a_pose_nothing_is_judged() {
             path: planned(PathStatus::Unreachable, 1),
             remaining: None,
             turns: false,
-            knows_pose: true,
+            certainty: PoseCertainty::Confirmed,
             given_up: false,
             moves_at_goal: false,
         });
@@ -335,7 +396,7 @@ fn a_task_that_was_given_up_fails_as_stuck() {
         path: planned(PathStatus::Found, 1),
         remaining: Some((5.0, 1)),
         turns: false,
-        knows_pose: true,
+        certainty: PoseCertainty::Confirmed,
         given_up,
         moves_at_goal: false,
     };

@@ -7,6 +7,7 @@ use zeronav_local_planner::staleness::Ages;
 use zeronav_local_planner::{Inputs, LocalPlanner, LocalPlannerConfig, PathInput};
 use zeronav_motion::{InFlight, Twist};
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, PathStatus};
 use zeronav_msgs::request::PlanRequest;
@@ -76,7 +77,7 @@ impl Drive for Whole {
             robot: Some((situation.robot, situation.corners)),
             odometry: Some(&odometry),
             map: situation.map.map(|map| (Pose::default(), map)),
-            knows_pose: true,
+            certainty: PoseCertainty::Confirmed,
             map_cells: situation.map_cells,
             obstacles: (situation.obstacles, situation.obstacles_age_s),
             future: Future::default(),

@@ -5,28 +5,32 @@ use core::f64::consts::PI;
 use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::{Mapping, MappingConfig, Observation, Sought};
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::pose::wrap_angle;
 
 /// A robot in a room, what mapping makes of its scans, ten a second, and what odometry says.
-struct Robot {
-    room: Room,
-    mapping: Mapping,
-    truth: Pose,
+pub(crate) struct Robot {
+    pub(crate) room: Room,
+    pub(crate) mapping: Mapping,
+    pub(crate) truth: Pose,
     odometry: Pose,
+    /// What odometry says of its variances.
+    pub(crate) odometry_variance: [f64; 3],
     rng: Rng,
     n_scans: u64,
 }
 
 impl Robot {
     /// A robot at `truth`. Odometry begins at its own origin.
-    fn new(room: &Room, config: &MappingConfig, truth: Pose, seed: u64) -> Self {
+    pub(crate) fn new(room: &Room, config: &MappingConfig, truth: Pose, seed: u64) -> Self {
         let map = room.as_static_map();
         Self {
             room: room.clone(),
             mapping: Mapping::new(config, Some(&map), &description(), &[]).expect("a map"),
             truth,
             odometry: Pose::default(),
+            odometry_variance: [1.0e-4; 3],
             rng: Rng(seed),
             n_scans: 0,
         }
@@ -40,14 +44,14 @@ impl Robot {
     }
 
     /// One that is told that it is at `told`.
-    fn told(room: &Room, truth: Pose, told: Pose, seed: u64) -> Self {
+    pub(crate) fn told(room: &Room, truth: Pose, told: Pose, seed: u64) -> Self {
         let mut config = MappingConfig::default();
         config.localisation.map_from_odom = [told.x_m, told.y_m, told.yaw_rad];
         Self::new(room, &config, truth, seed)
     }
 
     /// Moves, and takes in a scan.
-    fn step(&mut self, motion: Pose) {
+    pub(crate) fn step(&mut self, motion: Pose) {
         self.truth = self.truth.then(&motion);
         self.odometry = self.odometry.then(&motion);
         self.n_scans += 1;
@@ -64,19 +68,33 @@ impl Robot {
             run_ns: self.n_scans * 100_000_000,
             odom_from_base_first: self.odometry,
             odom_from_base: self.odometry,
-            odometry_variance: [1.0e-4; 3],
+            odometry_variance: self.odometry_variance,
             goal: None,
             told: None,
         });
-        let info = MapInfo {
-            covariance: self.mapping.map_from_odom().1,
+        assert_eq!(self.certainty().is_known(), !self.mapping.is_uncertain());
+    }
+
+    /// What its map says of its pose.
+    pub(crate) fn info(&self) -> MapInfo {
+        let (map_from_odom, covariance) = self.mapping.map_from_odom();
+        MapInfo {
+            map_from_odom,
+            covariance,
             ..MapInfo::default()
-        };
-        assert_eq!(info.knows_pose(), !self.mapping.is_uncertain());
+        }
+    }
+
+    pub(crate) fn certainty(&self) -> PoseCertainty {
+        self.info().certainty()
     }
 
     /// Stands for some scans until `until` holds; after how many.
-    fn stand_until(&mut self, most: usize, until: impl Fn(&Mapping) -> bool) -> Option<usize> {
+    pub(crate) fn stand_until(
+        &mut self,
+        most: usize,
+        until: impl Fn(&Mapping) -> bool,
+    ) -> Option<usize> {
         (1..=most).find(|_| {
             self.step(Pose::default());
             until(&self.mapping)
@@ -91,7 +109,7 @@ impl Robot {
     }
 
     #[track_caller]
-    fn is_found(&self, what: &str) {
+    pub(crate) fn is_found(&self, what: &str) {
         let (off_m, off_rad) = self.off();
         assert!(
             off_m < 0.1 && off_rad < 0.05,
@@ -105,7 +123,7 @@ fn is_known(mapping: &Mapping) -> bool {
 }
 
 /// A hall of 10 m x 7 m with a corner cut off, a wall with a door, a pillar and a cupboard: no two places look alike.
-fn hall() -> Room {
+pub(crate) fn hall() -> Room {
     let mut room = Room::walled(200, 140, 2);
     room.fill(150, 100, 200, 140, true);
     room.fill(80, 0, 83, 60, true);

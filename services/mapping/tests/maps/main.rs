@@ -11,5 +11,6 @@ mod moving;
 mod paper_rows;
 mod pose;
 mod rest;
+mod told;
 mod under_robot;
 mod window;

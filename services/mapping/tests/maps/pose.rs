@@ -217,7 +217,7 @@ fn a_robot_that_is_told_where_it_is_is_laid_on_the_static_map_there() {
     let mut mapping = Mapping::new(&config, Some(&map), &description(), &[]).expect("a map");
     let truth = Pose::new(7.0, 6.425, 0.0);
     // It believes itself in the other aisle, turned, and fills the map with what is not there until it notices.
-    let odometry = Pose::new(11.0, 10.0, 0.9);
+    let odometry = Pose::new(11.0, 13.6, 0.9);
     let lost = stand(&mut mapping, &truth, &odometry, 15, None);
     assert!(lost.distance_m(&truth) > 2.0, "{lost:?}");
     let wrong = n_sensed(&mapping);
@@ -367,8 +367,8 @@ fn a_robot_that_has_lost_contact_says_so_until_it_is_found() {
             covariance: mapping.map_from_odom().1,
             ..MapInfo::default()
         };
-        assert_eq!(info.knows_pose(), !mapping.is_uncertain());
-        info.knows_pose()
+        assert_eq!(info.certainty().is_known(), !mapping.is_uncertain());
+        info.certainty().is_known()
     };
     let mut rng = Rng(9);
     let world = warehouse();
