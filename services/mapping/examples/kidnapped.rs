@@ -14,7 +14,7 @@ mod support;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use support::{Rng, Room, description};
+use support::{Rng, Room, description, on_processor_ms};
 use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::{Mapping, MappingConfig, Observation, Sought};
 use zeronav_msgs::Pose;
@@ -210,16 +210,6 @@ fn robot(
         tally.off_rad.push(off_rad);
     }
     Ok(())
-}
-
-/// Time that this thread has had a processor: others do not count. [ms]
-fn on_processor_ms() -> f64 {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    let ns = text
-        .split_whitespace()
-        .next()
-        .and_then(|word| word.parse::<f64>().ok());
-    1.0e-6 * ns.unwrap_or_default()
 }
 
 /// The world: the map, with boxes before about a share `moved` of the beams.

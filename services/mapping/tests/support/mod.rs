@@ -183,3 +183,13 @@ impl Rng {
             - 6.0
     }
 }
+
+/// Time that this thread has had a processor: others do not count. [ms]
+pub(crate) fn on_processor_ms() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let ns = text
+        .split_whitespace()
+        .next()
+        .and_then(|word| word.parse::<f64>().ok());
+    1.0e-6 * ns.unwrap_or_default()
+}
