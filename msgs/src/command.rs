@@ -112,6 +112,8 @@ codes! {
         /// The controller fits a curve to its way and follows it; no fit is free of obstacles, so that it
         /// goes without one. Nothing else limits it.
         NoFit = 28 => "no_fit",
+        /// It does not know where it is, and looks around by small safe motions.
+        SeekPose = 29 => "seek_pose",
     }
 }
 

@@ -66,6 +66,9 @@ fn cause(decision: &Decision, about: &Circumstances<'_>) -> RequestCause {
     if decision.validity == Validity::Stale {
         return RequestCause::Stale;
     }
+    if decision.cause == RequestCause::SeekPose {
+        return RequestCause::SeekPose;
+    }
     let recovers = matches!(decision.validity, Validity::Drive | Validity::Blocked);
     match about.behaviour {
         Behaviour::BackUp if recovers => RequestCause::BackUp,

@@ -38,6 +38,7 @@ pub mod remembered;
 pub mod requests;
 mod rollout_scores;
 pub mod scan_points;
+mod seek_pose;
 pub mod shaping;
 pub mod situation;
 mod squares;

@@ -13,6 +13,7 @@ use crate::pilot::Pilot;
 use crate::progress::{PathTracker, Place};
 use crate::recovery::{Behaviour, Facts, Recovery, Transition};
 use crate::requests::{PathRequests, RequestInputs};
+use crate::seek_pose::PoseSeeker;
 use crate::situation::{Decision, Room, Situation};
 use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
 pub use crate::table::BuildError;
@@ -42,6 +43,7 @@ pub struct LocalPlanner {
     tracker: PathTracker,
     /// `None` = the controller is left alone.
     recovery: Option<Recovery>,
+    seeker: Option<PoseSeeker>,
     account: Account,
     /// Where the robot does not get on: where an obstacle is on its path, or where it stands without an
     /// admissible motion. `map` frame [m]
@@ -94,6 +96,7 @@ impl LocalPlanner {
             requests: PathRequests::new(config.requests),
             tracker: PathTracker::new(),
             recovery: recovers.then(|| Recovery::new(config.recovery)),
+            seeker: (config.recovery.seek_pose).then(PoseSeeker::default),
             account: Account::of(0),
             stopped_at: None,
             reason: RecoveryReason::None,
@@ -327,10 +330,15 @@ impl LocalPlanner {
         let odometry = inputs.odometry.ok_or(stale(StaleInput::Odometry))?;
         let (_, map) = inputs.map.ok_or(stale(StaleInput::Map))?;
         let map_from_base = map_from_base.ok_or(stale(StaleInput::Map))?;
-        if !inputs.certainty.is_known() {
-            return Err(stale(StaleInput::Pose));
-        }
         let (robot, corners) = inputs.robot.ok_or((Validity::Stale, None))?;
+        let seeker = self.seeker.as_mut();
+        let sought = seeker.and_then(|seeker| seeker.decide(inputs, self.last));
+        if !inputs.certainty.is_known() {
+            let sought = sought.ok_or(stale(StaleInput::Pose))?;
+            self.pilot
+                .overruled(Twist::new(sought.v_mps, sought.w_radps));
+            return Ok((sought, self.idle_recovery(inputs, step)));
+        }
         let route = route.ok_or((Validity::NoPath, None))?;
         let points = inputs.scan_points_in_base;
         let mut past = core::mem::take(&mut self.past);

@@ -21,6 +21,10 @@ const JUDGED_MIN: f64 = 25.0;
 /// The same number while the place is not confirmed.
 const JUDGED_MIN_UNCONFIRMED: f64 = 10.0;
 
+/// Share of the beams that ended somewhere that the map must explain to confirm a place: what ends where nothing is known
+/// does not speak for it.
+const CONFIRMS: f64 = 0.5;
+
 /// How far a robot drives until it sees something else. [m]
 const VIEW_M: f64 = 0.5;
 
@@ -131,16 +135,19 @@ impl LostWatch {
             return self.seems_s >= LASTS_S;
         }
         let (views, n_viewed) = self.add_view(scan);
-        let fits = |seen: &Explained, n: f64| n >= JUDGED_MIN && seen.share(1.0) >= below;
+        let fits = |seen: &Explained, n_judged: f64, n_ends: f64| {
+            let is_explained = seen.share(1.0) >= below && seen.on >= CONFIRMS * n_ends;
+            n_judged >= JUDGED_MIN && is_explained
+        };
         let is_off = n_ends >= JUDGED_MIN && explained.judged() < (1.0 - OFF) * n_ends;
         let is_judged = n_judged >= JUDGED_MIN_UNCONFIRMED;
         let differs = is_off || (is_judged && seems_elsewhere(&explained, below));
         // What one scan says alone outweighs what others have said from elsewhere.
-        let fits_alone = !differs && fits(&explained, n_judged);
+        let fits_alone = !differs && fits(&explained, n_judged, n_ends);
         let views_differ = n_viewed >= JUDGED_MIN && seems_elsewhere(&views, below);
         let is_elsewhere = differs || (views_differ && !fits_alone);
         self.count(is_elsewhere, is_judged, elapsed_s);
-        self.confirmed = fits_alone || (!is_elsewhere && fits(&views, n_viewed));
+        self.confirmed = fits_alone || (!is_elsewhere && fits(&views, n_viewed, self.view_ends));
         self.seems_s >= LASTS_S
     }
 

@@ -54,6 +54,11 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
             "The local planner slows down to {limit} because {} is getting old.",
             input(request.input)
         ),
+        RequestCause::SeekPose => {
+            return "The robot does not know where it is: it looks around, turns on the spot and drives short ways in \
+                    free sight, until one place alone fits what it has seen."
+                .to_owned();
+        }
         RequestCause::Heading => format!(
             "The robot faces away from the path: the local planner slows down to {limit} until it \
              faces it."

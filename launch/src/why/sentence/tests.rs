@@ -414,6 +414,10 @@ fn turning_slowing_down_and_critics_are_told_apart() {
             RequestCause::TurnWait,
             "waits for a moving obstacle to pass",
         ),
+        (
+            RequestCause::SeekPose,
+            "does not know where it is: it looks around",
+        ),
         (RequestCause::Arrive, "slows down to a stop."),
         (RequestCause::GoalYaw, "to the goal's yaw."),
         (RequestCause::None, "it tells no more."),

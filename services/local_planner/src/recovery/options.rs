@@ -27,6 +27,9 @@ parameters! {
         rotate_rad: f64 = 1.6, [0.0, core::f64::consts::PI] "rad";
         /// Longest duration of a manoeuvre.
         manoeuvre_s: f64 = 6.0, [0.1, 60.0] "s";
+        /// Whether a robot with a goal that does not know where it is turns around on the spot, and then drives short
+        /// ways in free sight, until it knows.
+        seek_pose: bool = false;
         /// Manoeuvres and waits for one goal before the task is given up.
         attempts: u32 = 20, [1, 10_000];
     }

@@ -211,6 +211,29 @@ fn a_robot_that_does_not_know_where_it_is_brakes_and_says_so() {
     assert!(bench.odometry.v_mps > 0.3, "it goes on");
 }
 
+/// Where that is asked for, and until it knows.
+#[test]
+fn a_robot_that_does_not_know_where_it_is_may_look_around() {
+    let mut bench = Bench::new();
+    let mut config = LocalPlannerConfig::default();
+    config.recovery.seek_pose = true;
+    bench.planner = LocalPlanner::new(&config).expect("usable");
+    bench.go(5, 7.0);
+    bench.path = Some(found(5, 1, &[(1.0, 2.0), (7.0, 2.0)]));
+    bench.certainty = PoseCertainty::Unknown;
+    let stood = (1..=200).take_while(|_| bench.step().request.validity() == Some(Validity::Stale));
+    assert!((140..160).contains(&stood.count()));
+    let outputs = bench.check(Validity::Drive, None);
+    assert_eq!(outputs.request.cause(), Some(RequestCause::SeekPose));
+    for _ in 0..100 {
+        bench.step();
+    }
+    assert!(bench.odometry.w_radps > 0.5 && bench.odometry.v_mps.abs() < 1.0e-9);
+    bench.certainty = PoseCertainty::Confirmed;
+    let outputs = bench.check(Validity::Drive, None);
+    assert_ne!(outputs.request.cause(), Some(RequestCause::SeekPose));
+}
+
 #[test]
 fn old_inputs_slow_down_and_stop_on_a_ramp() {
     let mut bench = Bench::new();

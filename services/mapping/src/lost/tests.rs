@@ -65,6 +65,11 @@ fn a_place_is_confirmed_by_one_scan_that_sees_enough() {
     assert!(!confirms([20.0, 4.0, 0.0]), "too few beams");
     assert!(!confirms([10.0, 5.0, 10.0]), "walls are missing");
     assert!(LostWatch::confirmed().is_confirmed());
+    // Beside the map most beams end where nothing is known.
+    let mut watch = LostWatch::default();
+    let [on, new, through] = [24.0, 8.0, 0.0];
+    let seen = judged(Explained { on, new, through }, 50.0, 0.0);
+    assert!(!watch.is_lost(&seen, 0.6) && !watch.is_confirmed());
 }
 
 /// Few beams say the same from one place however often; from several places they add up.
