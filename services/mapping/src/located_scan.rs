@@ -45,3 +45,10 @@ impl LocatedScan<'_> {
         true
     }
 }
+
+/// Where points of `base` lie in the map.
+pub(crate) fn placed_at(map_from_base: &Pose) -> impl Fn(&Point2<f64>) -> Point2<f64> + use<> {
+    let (sin, cos) = map_from_base.yaw_rad.sin_cos();
+    let (x_m, y_m) = (map_from_base.x_m, map_from_base.y_m);
+    move |at| Point2::new(x_m + cos * at.x - sin * at.y, y_m + sin * at.x + cos * at.y)
+}

@@ -7,7 +7,7 @@ use crate::error::MappingError;
 use crate::flips::Integrated;
 use crate::localisation::StartPose;
 use crate::localiser::{Localiser, OdometryAt};
-use crate::located_scan::LocatedScan;
+use crate::located_scan::{LocatedScan, placed_at};
 use crate::mapper::Mapper;
 use crate::moved::Basis;
 use crate::outline::Outline;
@@ -494,11 +494,4 @@ impl Mapping {
     pub fn obstacles(&self) -> impl Iterator<Item = Obstacle> + '_ {
         self.tracker.obstacles()
     }
-}
-
-/// Where points of `base` lie in the map.
-fn placed_at(map_from_base: &Pose) -> impl Fn(&Point2<f64>) -> Point2<f64> + use<> {
-    let (sin, cos) = map_from_base.yaw_rad.sin_cos();
-    let (x_m, y_m) = (map_from_base.x_m, map_from_base.y_m);
-    move |at| Point2::new(x_m + cos * at.x - sin * at.y, y_m + sin * at.x + cos * at.y)
 }
