@@ -75,9 +75,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         lasers.iter().enumerate().partition(|(n, _)| n % 2 == 0);
     let mut mapper = make_map(&lasers, making.iter().map(|(_, laser)| *laser))?;
     let judged = judge(&mapper, judging.iter().map(|(_, laser)| *laser));
-    if n_lost > 0 {
-        let every = (judging.len() / n_lost).max(1);
-        let lost = judging.iter().step_by(every).take(n_lost);
+    if let Some(every) = judging.len().checked_div(n_lost) {
+        let lost = judging.iter().step_by(every.max(1)).take(n_lost);
         let lost = lost.map(|(_, laser)| *laser);
         println!("{}", relocalise(&mapper, lost)?);
     }
