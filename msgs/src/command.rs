@@ -46,6 +46,12 @@ codes! {
         Slowed = 6 => "slowed",
         /// Stopped because something is in the way.
         StoppedShort = 7 => "stopped_short",
+        /// Slowed because of the speed limit of a zone.
+        ZoneSlowed = 8 => "zone_slowed",
+        /// Slowed or stopped because a keepout zone is in the way.
+        ZoneStopped = 9 => "zone_stopped",
+        /// Slowed to a stop because zones were announced and have not come.
+        ZonesMissing = 10 => "zones_missing",
     }
 }
 
@@ -114,6 +120,8 @@ codes! {
         NoFit = 28 => "no_fit",
         /// It does not know where it is, and looks around by small safe motions.
         SeekPose = 29 => "seek_pose",
+        /// The speed limit of a zone, here or so near that the robot has to slow down.
+        SpeedZone = 30 => "speed_zone",
     }
 }
 

@@ -10,6 +10,7 @@ use crate::rollouts::RolloutOutcome;
 use crate::run::{RunMode, TopicFaultKind};
 use crate::span::SpanKind;
 use crate::task::{EndReason, StuckCause, TaskKind, TaskState};
+use crate::zones::ZoneKind;
 
 macro_rules! labels {
     ($($name:ident),* $(,)?) => {
@@ -49,4 +50,5 @@ labels!(
     TaskKind,
     TaskState,
     Validity,
+    ZoneKind,
 );

@@ -46,6 +46,8 @@ pub mod topics;
 pub mod truth;
 pub mod user;
 pub mod window;
+pub mod zone_set;
+pub mod zones;
 
 pub use grid::{Cell, CellRect, GridGeometry};
 pub use header::{Header, Id, Parents, Stamps};
@@ -53,3 +55,4 @@ pub use map::{MapCell, MapTile, MapView};
 pub use message::{Message, Refusal, Wire};
 pub use pose::Pose;
 pub use role::Role;
+pub use zone_set::ZoneSet;

@@ -40,7 +40,10 @@ pub const FLAG_REGULARISED: u8 = 1 << 3;
 /// Flag: nothing is known about the cell, whatever its cost says.
 pub const FLAG_UNKNOWN: u8 = 1 << 4;
 
-const FLAGS_ALL: u8 = (1 << 5) - 1;
+/// Flag: inside a keepout zone, whatever is there.
+pub const FLAG_KEEPOUT: u8 = 1 << 5;
+
+const FLAGS_ALL: u8 = (1 << 6) - 1;
 
 codes! {
     /// Where an obstacle comes from, as far as the map tells.
@@ -55,6 +58,8 @@ codes! {
         Tracked = 3 => "tracked",
         /// It is none: nothing is known of the cell, and unknown cells count as obstacles.
         Unknown = 4 => "unknown",
+        /// It is none: the cell lies in a keepout zone.
+        Keepout = 5 => "keepout",
     }
 }
 
@@ -98,6 +103,8 @@ impl MapCell {
             ObstacleSource::StaticMap
         } else if self.flags & FLAG_SENSED != 0 {
             ObstacleSource::Lidar
+        } else if self.flags & FLAG_KEEPOUT != 0 {
+            ObstacleSource::Keepout
         } else if self.cost == COST_LETHAL {
             ObstacleSource::Tracked
         } else if self.flags & FLAG_UNKNOWN != 0 {

@@ -91,7 +91,7 @@ message! {
 
 message! {
     /// Fixed fields of the control message. The slice holds the roster.
-    pub struct RunControl = "zeronav.RunControl.v2" {
+    pub struct RunControl = "zeronav.RunControl.v3" {
         /// [tick] Highest tick that the robot may start, lockstep only.
         pub lease: u64,
         /// [flag] 1 = the robot shall stand and run time stops.
@@ -100,6 +100,8 @@ message! {
         pub stopping: u16,
         /// [count] Seats in the slice.
         pub n_seats: u32,
+        /// [number] Revision of `task/zones` that holds; 0 = there were never any.
+        pub zones: u64,
         /// Topics that are disturbed on purpose; all zero in earnest.
         pub topic_faults: [TopicFault; TOPIC_FAULTS_MAX],
     }

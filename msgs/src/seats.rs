@@ -4,7 +4,7 @@ use crate::role::Role;
 use crate::topics::{
     ControlRequest, Discipline, MapKeyframe, MapObstacles, MapUpdate, PlanPath, PlanRequests,
     RobotCommand, RobotDescription, RobotOdometry, RobotScan, SimForesight, SimPlacement, TaskGoal,
-    TaskPose, TaskState, Topic, TopicRow, topics,
+    TaskPose, TaskState, TaskZones, Topic, TopicRow, topics,
 };
 
 /// Ticks that a seat has to answer in lockstep.
@@ -71,6 +71,7 @@ pub static SEATS: [SeatRow; 5] = [
             TaskGoal::ROW,
             TaskState::ROW,
             TaskPose::ROW,
+            TaskZones::ROW,
             SimForesight::ROW,
         ],
         answers: Answers::TicksWithScan,
@@ -109,6 +110,7 @@ pub static SEATS: [SeatRow; 5] = [
             PlanPath::ROW,
             TaskGoal::ROW,
             TaskState::ROW,
+            TaskZones::ROW,
             SimForesight::ROW,
         ],
         answers: Answers::EveryTick,
@@ -124,6 +126,8 @@ pub static SEATS: [SeatRow; 5] = [
             RobotOdometry::ROW,
             RobotScan::ROW,
             ControlRequest::ROW,
+            TaskZones::ROW,
+            MapUpdate::ROW,
         ],
         answers: Answers::EveryTick,
         after: &[Role::LocalPlanner],

@@ -31,6 +31,7 @@ use crate::scan::{BEAMS_MAX, Scan};
 use crate::span::Span;
 use crate::task::{GOALS_MAX, Goal, GoalEnd, PoseEstimate, Task, TaskStatus};
 use crate::truth::{Placement, Placements, TRUTH_OBSTACLES_MAX, Truth, TruthObstacle};
+use crate::zones::{ZONE_PARTS_MAX, ZonePart, Zones};
 
 /// Header and fixed fields of a topic's messages, as they stand in front of the slice.
 pub trait Envelope: Message {
@@ -302,6 +303,14 @@ topics! {
         writers: [Launch], rings: [Mapping], in_lockstep: [],
         len_max: 1,
         check: |meta, items| { no_items(items)?; meta.check() },
+    }
+    /// `task/zones`: where the robot may not go, where it is slow, which ways it prefers.
+    TaskZones = 27 "task/zones" {
+        envelope: ZonesEnvelope = "zeronav.task.zones.v1" (Zones),
+        item: ZonePart, Latched,
+        writers: [Launch], rings: [Mapping, LocalPlanner, CollisionGuard], in_lockstep: [],
+        len_max: ZONE_PARTS_MAX,
+        check: |meta, items| meta.check(items),
     }
     /// `control/velocity_request`: what the local planner wants.
     ControlRequest = 10 "control/velocity_request" {

@@ -8,7 +8,7 @@ use zeronav_msgs::span::Span;
 use zeronav_msgs::topics::{self, Topic, TopicRow, TopicVisitor, visit_topics};
 use zeronav_msgs::user::UserEnvelope;
 use zeronav_msgs::{
-    description, foresight, grid, header, health, map, obstacles, rollouts, run, user,
+    description, foresight, grid, header, health, map, obstacles, rollouts, run, user, zones,
 };
 
 /// The contract.
@@ -186,11 +186,16 @@ fn constants() -> Vec<(&'static str, f64)> {
         map::{
             TILE_CELLS, COST_FREE, COST_CIRCUMSCRIBED_MAX, COST_INSCRIBED, COST_LETHAL,
             COST_UNKNOWN, FLAG_STATIC, FLAG_SENSED, FLAG_VIRTUAL, FLAG_REGULARISED, FLAG_UNKNOWN,
+            FLAG_KEEPOUT,
         },
         user::{
             FORM_BYTES_MAX, USER_BORROWED, USER_BUFFER, USER_BYTES_MAX, USER_NAME_BYTES_MAX, USER_POOL,
         },
         description::{ACTUATION_DELAY_NS_MAX},
+        zones::{
+            ZONES_MAX, ZONE_CORNERS_MAX, ZONE_COST_MAX, ZONE_NAME_BYTES, ZONE_PARTS_MAX, ZONE_PERCENT_MIN,
+            ZONE_SPEED_MPS_MIN,
+        },
         obstacles::{OBSTACLE_RADIUS_M_MAX},
         rollouts::{ROLLOUT_COST_MAX, ROLLOUT_POINTS_MAX},
         health::{

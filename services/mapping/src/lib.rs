@@ -12,6 +12,7 @@
 //! | decide | `belief`, `log_odds`, `flips`; `located_scan`, [`ray`], `free_blocks`: which cells beams pass; `isolated`: false returns; `outline`: the cells under the robot | which cells are obstacles |
 //! | measure | [`clearance`]; `cell_value`: costs | clearance and cost of every cell |
 //! | flag | [`regularise`], [`virtual_obstacles`] | cells that some planners avoid |
+//! | close | `zone_paint` | cells of keepout zones, and what others cost |
 //! | publish | `tiles`; [`window`]: where the map lies | the tiles that changed |
 //!
 //! [`Mapper`] is the map itself, [`Mapping`] the map with pose and tracks, [`MappingConfig`] what a
@@ -66,6 +67,7 @@ pub mod tracker;
 mod true_motion;
 pub mod virtual_obstacles;
 pub mod window;
+mod zone_paint;
 
 pub use config::MappingConfig;
 pub use error::MappingError;

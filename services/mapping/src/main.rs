@@ -131,6 +131,10 @@ impl MappingService {
         let Some(mapping) = self.mapping.as_mut().filter(|_| !self.began) else {
             return Ok(self.began);
         };
+        // The first map is already that of the zones.
+        if !shell.roster().has_clock() || self.readings.zones.is_missing(shell.roster()) {
+            return Ok(false);
+        }
         if self.predecessor.is_none() {
             self.predecessor = Predecessor::open(shell)?;
         }
@@ -140,6 +144,9 @@ impl MappingService {
             };
             self.learnt_tick = tick;
             self.predecessor = None;
+        }
+        if self.readings.zones.advance(0) {
+            mapping.set_zones(self.readings.zones.set());
         }
         self.began = true;
         Ok(true)
@@ -160,6 +167,7 @@ impl MappingService {
     fn answer(&mut self, shell: &mut Shell, due: Due, poses: (Pose, Pose)) {
         let mut draft = self.readings.begin(shell, due);
         let estimate = self.readings.take_estimate(due.tick);
+        let new_zones = self.readings.zones.advance(due.tick);
         let observation = self.readings.observation(poses);
         let (Some(observation), Some(mapping)) = (observation, &mut self.mapping) else {
             return;
@@ -170,8 +178,12 @@ impl MappingService {
             tracing::info!(tick = due.tick, x_m, y_m, yaw_rad, "pose estimate applied");
             mapping.relocate(estimate.map_from_odom(), &observation);
         }
+        if new_zones {
+            mapping.set_zones(self.readings.zones.set());
+        }
         *mapping.timer() = shell.stage_timer(draft.started_ns);
         mapping.take_in(&observation);
+        mapping.let_out(&observation.odom_from_base);
         draft.stages_ns = mapping.timer().stages_ns();
         let work = u64::from(observation.scan.n_beams);
         let n_obstacles = self.map.send_obstacles(shell, &draft, mapping);

@@ -1,5 +1,8 @@
 //! From scans to the map: belief, clearance, cost, tiles.
 
+mod other_grid;
+mod zones;
+
 use crate::beams::{Beams, Sweep};
 use crate::belief::Belief;
 use crate::cell_value::{ValueTable, cost_model};
@@ -14,11 +17,12 @@ use crate::scan_match::Surfaces;
 use crate::surface_candidates::SurfaceCandidates;
 use crate::tiles::{TileBoxes, TileIndex};
 use crate::virtual_obstacles::VirtualConfig;
+use crate::zone_paint::{KEEPOUT, ZonePaint};
 use nalgebra::Point2;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::map::{
-    COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, CostModel, FLAG_REGULARISED, FLAG_SENSED,
-    FLAG_STATIC, FLAG_UNKNOWN, FLAG_VIRTUAL, MapTile, clearance_mm,
+    COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, CostModel, FLAG_KEEPOUT, FLAG_REGULARISED,
+    FLAG_SENSED, FLAG_STATIC, FLAG_UNKNOWN, FLAG_VIRTUAL, MapTile, clearance_mm,
 };
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::stages::{Stage, StageTimer};
@@ -36,6 +40,7 @@ pub struct Mapper {
     values: ValueTable,
     clearance_limit_mm: u16,
     cells: Vec<MapCell>,
+    zones: ZonePaint,
     beams: Beams,
     flips: Flips,
     /// Obstacles that came or went.
@@ -87,7 +92,12 @@ impl Mapper {
         let inscribed_m = description.inscribed_radius_m;
         let belief = Belief::new(&geometry, static_map, config, inscribed_m);
         let cost_model = cost_model(config, inscribed_m);
-        let mut mapper = Self::around(&geometry, belief, cost_model, config);
+        let mut mapper = Self::around(
+            &geometry,
+            belief,
+            (cost_model, &ZonePaint::default()),
+            config,
+        );
         // So far there are static obstacles alone.
         let margin = (2.0 * config.tracking.static_margin_m / geometry.resolution_m).powi(2);
         for index in 0..expected {
@@ -103,7 +113,7 @@ impl Mapper {
     fn around(
         geometry: &GridGeometry,
         belief: Belief,
-        cost_model: CostModel,
+        (cost_model, zones): (CostModel, &ZonePaint),
         config: &MappingConfig,
     ) -> Self {
         let clearance_limit_mm = clearance_mm(config.clearance_limit_m, u16::MAX);
@@ -120,6 +130,7 @@ impl Mapper {
             values: ValueTable::new(&cost_model, clearance_limit_mm, geometry.resolution_m),
             clearance_limit_mm,
             cells: vec![MapCell::default(); geometry.len()],
+            zones: zones.on(geometry),
             beams: Beams::default(),
             flips: Flips::default(),
             flipped: TileBoxes::new(geometry),
@@ -135,7 +146,7 @@ impl Mapper {
             run_ns: 0,
         };
         for index in 0..geometry.len() {
-            let obstacle = mapper.belief.is_obstacle(index);
+            let obstacle = mapper.is_closed(index);
             mapper.clearance.set(index, obstacle);
         }
         mapper.clearance.recompute_all();
@@ -145,52 +156,6 @@ impl Mapper {
             max: Cell::new(width, height),
         });
         mapper
-    }
-
-    /// The same map on another grid of the same resolution whose origin lies `shift` cells from
-    /// this one's. What lies on both is kept; every tile is dirty.
-    #[must_use]
-    pub fn moved(&self, geometry: &GridGeometry, shift: Cell, config: &MappingConfig) -> Self {
-        let belief = self.belief.moved(geometry, shift);
-        let mut mapper = Self::around(geometry, belief, self.cost_model, config);
-        mapper.run_ns = self.run_ns;
-        if let Some(surfaces) = &self.surfaces {
-            let belief = &mapper.belief;
-            let mut moved = Surfaces::new(geometry, |index| belief.is_obstacle(index));
-            moved.take_over(surfaces, shift);
-            mapper.surfaces = Some(moved);
-            for (index, since_ns) in self.candidates.iter() {
-                let cell = cell_at(&self.geometry, index);
-                let there = Cell::new(cell.x - shift.x, cell.y - shift.y);
-                if let Some(index) = geometry.index_of(there) {
-                    mapper.candidates.add(index, since_ns);
-                    if let Some(surfaces) = &mut mapper.surfaces {
-                        surfaces.set(index, false);
-                    }
-                }
-            }
-        }
-        mapper
-    }
-
-    /// This map with what another mapping has learnt: its map, on a grid of the same resolution
-    /// and raster. Every tile is dirty; `None` when the grids do not fit.
-    #[must_use]
-    pub fn learnt(&self, map: &MapView<'_>, config: &MappingConfig) -> Option<Self> {
-        let (own, other) = (&self.geometry, map.geometry);
-        let same = (own.resolution_m - other.resolution_m).abs() <= f64::EPSILON;
-        let cells = |from_m: f64, to_m: f64| (to_m - from_m) / own.resolution_m;
-        let x = cells(own.origin_x_m, other.origin_x_m);
-        let y = cells(own.origin_y_m, other.origin_y_m);
-        let is_whole = |n: f64| (n - n.round()).abs() < 1.0e-3 && n.abs() < 1.0e6;
-        if !same || !is_whole(x) || !is_whole(y) || map.cells.len() != other.len() {
-            return None;
-        }
-        #[allow(clippy::cast_possible_truncation, reason = "its range was checked")]
-        let shift = Cell::new(x.round() as i32, y.round() as i32);
-        let mut belief = self.belief.moved(other, shift);
-        belief.learn(map.cells);
-        Some(Self::around(other, belief, self.cost_model, config))
     }
 
     /// Takes in a scan that was checked against [`Scan::check`], seen from `map_from_laser`, all
@@ -349,7 +314,8 @@ impl Mapper {
     fn follow(&mut self, flips: &Flips) {
         for index in &flips.cleared {
             let cell = cell_at(&self.geometry, *index);
-            self.clearance.set(*index, false);
+            let is_closed = self.zones.closes(*index, &self.geometry);
+            self.clearance.set(*index, is_closed);
             self.flipped.add(cell);
             self.cleared.add(cell);
         }
@@ -361,25 +327,30 @@ impl Mapper {
         if let Some(regulariser) = &mut self.regulariser {
             regulariser.changed(&flips.marked, &flips.cleared);
         }
+        self.follow_clearance(&flips.marked);
+        for index in &flips.revealed {
+            self.refresh_cell(*index, cell_at(&self.geometry, *index));
+        }
+        if let Some(surfaces) = &mut self.surfaces {
+            self.candidates.follow(flips, self.run_ns, surfaces);
+        }
+    }
+
+    /// Brings clearance and cells up to date where obstacles flipped; `marked` came one by one.
+    fn follow_clearance(&mut self, marked: &[usize]) {
         let clear = self.clearance.reach();
         // Where obstacles went first: it looks at obstacles alone, old and new.
         for n in 0..self.cleared.len() {
             let gone = self.cleared.get(n).grown(clear, &self.geometry);
             self.clearance.recompute(&gone);
         }
-        for index in &flips.marked {
+        for index in marked {
             self.clearance.add(cell_at(&self.geometry, *index));
         }
         let reach = clear.max(self.virtuals.reach());
         for n in 0..self.flipped.len() {
             let changed = self.flipped.get(n).grown(reach, &self.geometry);
             self.refresh(&changed);
-        }
-        for index in &flips.revealed {
-            self.refresh_cell(*index, cell_at(&self.geometry, *index));
-        }
-        if let Some(surfaces) = &mut self.surfaces {
-            self.candidates.follow(flips, self.run_ns, surfaces);
         }
         self.flipped.clear();
         self.cleared.clear();
@@ -433,10 +404,17 @@ impl Mapper {
         {
             flags |= FLAG_REGULARISED;
         }
+        let least_cost = match self.zones.mark_of(index) {
+            KEEPOUT => {
+                flags |= FLAG_KEEPOUT;
+                0
+            }
+            cost => cost,
+        };
         let cost = match known_cost {
             blocked @ (COST_LETHAL | COST_INSCRIBED) => blocked,
             _ if unknown => COST_UNKNOWN,
-            cost => cost,
+            cost => cost.max(least_cost),
         };
         MapCell {
             cost,

@@ -1,6 +1,8 @@
 //! One scan after the other: where it was seen from, what moves in it, and what it says about
 //! the map.
 
+mod zones;
+
 use crate::beams::{Beams, Sweep, ends_of};
 use crate::config::MappingConfig;
 use crate::error::MappingError;

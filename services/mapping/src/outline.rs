@@ -26,6 +26,11 @@ impl Outline {
         }
     }
 
+    /// Of the smallest disc around the origin that holds it. [m]
+    pub(crate) const fn radius_m(&self) -> f64 {
+        self.radius_m
+    }
+
     /// True when a point of `base` lies inside or on the outline.
     #[must_use]
     pub(crate) fn contains(&self, point_in_base: Point2<f64>) -> bool {

@@ -68,12 +68,17 @@ pub(crate) fn search_map(mapper: &Mapper, room_m: f64) -> SearchMap {
     let geometry = mapper.geometry();
     let room_m = room_m.min(0.001 * f64::from(mapper.clearance_limit_mm()));
     let least_m = room_m - 1.5 * geometry.resolution_m;
+    // A robot may be in a keepout zone.
+    let world = mapper.clearance_without_zones();
     SearchMap::new(
         geometry,
         |index| cells[index].flags & FLAG_STATIC != 0,
         |index| {
             let cell = &cells[index];
-            cell.flags & FLAG_UNKNOWN == 0 && 0.001 * f64::from(cell.clearance_mm) >= least_m
+            let clearance_mm = world
+                .as_ref()
+                .map_or(cell.clearance_mm, |world| world[index]);
+            cell.flags & FLAG_UNKNOWN == 0 && 0.001 * f64::from(clearance_mm) >= least_m
         },
     )
 }

@@ -8,7 +8,7 @@ use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::nanoseconds;
 use zeronav_msgs::topics::{RobotDescription, RobotScan, SimForesight, TaskPose};
 use zeronav_shell::{
-    CurrentGoal, Draft, Due, Latest, OdometryReader, Peer, Shell, StartError, Trigger,
+    CurrentGoal, Draft, Due, Latest, OdometryReader, Peer, Shell, StartError, Trigger, ZoneInput,
 };
 
 /// Time without a scan after which the map is not current. [ns]
@@ -26,6 +26,8 @@ pub(crate) struct Readings {
     estimate: Latest<TaskPose>,
     /// Id of the estimate that was used last.
     used: u64,
+    /// Where the robot may not go.
+    pub(crate) zones: ZoneInput,
     /// For regularisation only.
     goal: Option<CurrentGoal>,
     /// What moves, when that is told instead of tracked.
@@ -44,6 +46,7 @@ impl Readings {
             scan: peer.latest()?,
             estimate: peer.latest()?,
             used: 0,
+            zones: ZoneInput::open(peer)?,
             goal: reads_goal.then(|| CurrentGoal::open(peer)).transpose()?,
             foresight: None,
         })
@@ -67,6 +70,7 @@ impl Readings {
         self.description.poll(roster);
         self.scan.poll(roster);
         self.estimate.poll(roster);
+        self.zones.poll(roster);
         if let Some(goal) = &mut self.goal {
             goal.poll(roster);
         }
@@ -79,6 +83,7 @@ impl Readings {
             &self.scan,
             &self.description,
             &self.estimate,
+            &self.zones,
             &self.goal,
             &self.foresight,
         ]);

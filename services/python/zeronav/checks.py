@@ -14,7 +14,7 @@ TINY = 2.2250738585072014e-308
 CHECKSUM = "the checksum does not fit"
 # Largest coordinate of a point of a scan, in `base`. [m]
 POINT_M_MAX = 1e3
-FLAGS_ALL = (1 << 5) - 1
+FLAGS_ALL = (1 << 6) - 1
 
 
 class Refused(Exception):

@@ -14,7 +14,7 @@
 //! | a member of a run, and the typed ports that it opens | [`Peer`]: [`Latest`], [`Stream`], [`Writer`], [`records`]; [`RawReader`] for recorders |
 //! | the middleware's ports, on bytes: the one place where they are compiled | `middleware` |
 //! | which process is obeyed, and how time runs | [`Roster`], [`roster_reader`], [`seat`], [`clock`] |
-//! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`] |
+//! | inputs that several services read alike | [`OdometryReader`], [`MapInput`], [`Tasks`], [`CurrentGoal`], [`ZoneInput`] |
 //! | when an answer is due, and how it is given | [`Trigger`], [`Due`], [`Shell`], [`Draft`] |
 //! | a question to launch over the run's socket | [`control`] |
 //! | a process: flags, configuration, logs, exit code, loop | [`Service`], [`run`], [`Companion`], [`flags`], [`logs`], [`error`] |
@@ -70,6 +70,7 @@ pub mod signals;
 mod tasks;
 pub mod user_topics;
 mod writer;
+mod zone_input;
 
 pub use companion::{Companion, Guest};
 pub use current_goal::CurrentGoal;
@@ -93,3 +94,4 @@ pub use shell::Shell;
 pub use tasks::{HeldTask, Tasks};
 pub use user_topics::{UserReader, UserWriter};
 pub use writer::{Draft, Sent, Writer};
+pub use zone_input::ZoneInput;

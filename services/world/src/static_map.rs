@@ -4,7 +4,7 @@ use crate::parry_pose::parry_pose;
 use nalgebra::Point2;
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::Vec2;
-use zeronav_msgs::map::{COST_LETHAL, FLAG_UNKNOWN};
+use zeronav_msgs::map::{COST_LETHAL, FLAG_UNKNOWN, ObstacleSource};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
 
@@ -45,8 +45,9 @@ impl StaticMap {
     /// Costs are not kept: they follow from the obstacles by the cost model.
     #[must_use]
     pub fn of(view: &MapView<'_>) -> Self {
+        let is_zone_alone = |cell: &MapCell| cell.source() == ObstacleSource::Keepout;
         let occupancy = |cell: &MapCell| match cell {
-            cell if cell.cost == COST_LETHAL => Occupancy::Occupied,
+            cell if cell.cost == COST_LETHAL && !is_zone_alone(cell) => Occupancy::Occupied,
             cell if cell.flags & FLAG_UNKNOWN != 0 => Occupancy::Unknown,
             _ => Occupancy::Free,
         };

@@ -14,3 +14,4 @@ mod rest;
 mod told;
 mod under_robot;
 mod window;
+mod zones;

@@ -1,0 +1,244 @@
+//! Zones on the grid: which cells the robot must keep out of, what others cost at least, and the way
+//! by which a robot that is inside is let out.
+//!
+//! Nothing of this is belief: scans neither mark nor clear it, and localisation does not see it.
+
+use nalgebra::{Point2, Vector2};
+use zeronav_msgs::zones::ZoneKind;
+use zeronav_msgs::{Cell, CellRect, GridGeometry, ZoneSet};
+
+/// Mark of a cell in a keepout zone; other marks are the least cost of a cell, 0 = no zone asks for one.
+pub(crate) const KEEPOUT: u8 = u8::MAX;
+
+/// Directions in which a way out is looked for.
+const WAYS: u32 = 32;
+
+/// A way out of a keepout zone: what is nearer than `radius_m` to the line is open.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WayOut {
+    from: Point2<f64>,
+    until: Point2<f64>,
+    radius_m: f64,
+}
+
+impl WayOut {
+    /// From a point to the line. [m]
+    fn distance_m(&self, at: Point2<f64>) -> f64 {
+        let along = self.until - self.from;
+        let share = (at - self.from).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        (self.from + along * share.clamp(0.0, 1.0) - at).norm()
+    }
+
+    /// The cells that may lie on it.
+    pub(crate) fn cells(&self, geometry: &GridGeometry) -> CellRect {
+        let least = self.from.inf(&self.until) - Vector2::repeat(self.radius_m);
+        let most = self.from.sup(&self.until) + Vector2::repeat(self.radius_m);
+        cells_between(geometry, least, most)
+    }
+}
+
+/// The cells of the grid in an upright rectangle, and those beside it.
+fn cells_between(geometry: &GridGeometry, least: Point2<f64>, most: Point2<f64>) -> CellRect {
+    let (width, height) = geometry.size();
+    let min = geometry.unbounded_cell_at(least);
+    let max = geometry.unbounded_cell_at(most);
+    let inside = |cell: i32, size: i32| cell.clamp(0, size);
+    CellRect {
+        min: Cell::new(
+            inside(min.x.saturating_sub(1), width),
+            inside(min.y.saturating_sub(1), height),
+        ),
+        max: Cell::new(
+            inside(max.x.saturating_add(2), width),
+            inside(max.y.saturating_add(2), height),
+        ),
+    }
+}
+
+/// The zones and what they make of the cells of a grid. Without any it holds no memory.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ZonePaint {
+    set: ZoneSet,
+    /// Mark of each cell, row-major; empty without zones that mark any.
+    marks: Vec<u8>,
+    way_out: Option<WayOut>,
+}
+
+impl ZonePaint {
+    /// The same zones on another grid.
+    pub(crate) fn on(&self, geometry: &GridGeometry) -> Self {
+        let mut paint = Self::default();
+        let whole = paint.take(&self.set, geometry);
+        for rect in &whole {
+            paint.mark(rect, geometry, |_, _| ());
+        }
+        paint.way_out = self.way_out;
+        paint
+    }
+
+    /// Takes in other zones; which cells may be marked otherwise now.
+    pub(crate) fn take(&mut self, set: &ZoneSet, geometry: &GridGeometry) -> Vec<CellRect> {
+        let before = core::mem::replace(&mut self.set, set.clone());
+        let marks = |kind: Option<ZoneKind>| {
+            matches!(
+                kind,
+                Some(ZoneKind::Keepout | ZoneKind::Cost | ZoneKind::Lane)
+            )
+        };
+        let is_painted = set.parts().any(|part| marks(part.kind()));
+        if self.marks.is_empty() && !is_painted {
+            return Vec::new();
+        }
+        self.marks.resize(geometry.len(), 0);
+        let mut changed = Vec::new();
+        for (of, other) in [(&before, set), (set, &before)] {
+            for (part, min, max) in of.bounds() {
+                let is_lane = part.kind() == Some(ZoneKind::Lane);
+                if !marks(part.kind()) || other.parts().any(|it| it == part) {
+                    continue;
+                }
+                if is_lane {
+                    // It is said of the cells beside it.
+                    let (width, height) = geometry.size();
+                    return vec![CellRect {
+                        min: Cell::new(0, 0),
+                        max: Cell::new(width, height),
+                    }];
+                }
+                changed.push(cells_between(geometry, min, max));
+            }
+        }
+        changed
+    }
+
+    /// Marks the cells of a rectangle anew and names those that have another mark now, with their index.
+    pub(crate) fn mark(
+        &mut self,
+        rect: &CellRect,
+        geometry: &GridGeometry,
+        mut changed: impl FnMut(usize, Cell),
+    ) {
+        let half_m = 0.5 * geometry.resolution_m;
+        for y in rect.min.y..rect.max.y {
+            for x in rect.min.x..rect.max.x {
+                let cell = Cell::new(x, y);
+                let Some(index) = geometry.index_of(cell) else {
+                    continue;
+                };
+                let centre = geometry.centre_of(cell);
+                let mark = if self.set.keeps_out_of_square(centre, half_m) {
+                    KEEPOUT
+                } else {
+                    self.set.least_cost_at(centre)
+                };
+                if core::mem::replace(&mut self.marks[index], mark) != mark {
+                    changed(index, cell);
+                }
+            }
+        }
+    }
+
+    /// Mark of a cell.
+    #[inline]
+    pub(crate) fn mark_of(&self, index: usize) -> u8 {
+        if self.marks.is_empty() {
+            0
+        } else {
+            self.marks[index]
+        }
+    }
+
+    /// True for a cell of a keepout zone that is not on the way out.
+    #[inline]
+    pub(crate) fn closes(&self, index: usize, geometry: &GridGeometry) -> bool {
+        self.mark_of(index) == KEEPOUT
+            && self.way_out.is_none_or(|way| {
+                let cell = crate::rows_around::cell_at(geometry, index);
+                way.distance_m(geometry.centre_of(cell)) > way.radius_m
+            })
+    }
+
+    /// True when no cell is in a zone.
+    pub(crate) fn is_blank(&self) -> bool {
+        self.marks.is_empty()
+    }
+
+    /// The way out that is open.
+    pub(crate) fn way_out(&self) -> Option<WayOut> {
+        self.way_out
+    }
+
+    /// Opens a way out, or closes it.
+    pub(crate) fn open(&mut self, way_out: Option<WayOut>) {
+        self.way_out = way_out;
+    }
+
+    /// The way out that a robot needs: the one that is open, for as long as its centre is in a keepout
+    /// zone or nearer to one than `room_m`; else the shortest one when its centre is in one. It goes
+    /// straight to where there is that much room, `radius_m` wide on either side. `is_free` says
+    /// where no obstacle is.
+    pub(crate) fn wanted(
+        &self,
+        geometry: &GridGeometry,
+        robot: Point2<f64>,
+        (room_m, radius_m): (f64, f64),
+        is_free: impl Fn(usize) -> bool,
+    ) -> Option<WayOut> {
+        let keeps_out = |at: Point2<f64>| {
+            let index = geometry.index_of(geometry.unbounded_cell_at(at));
+            index.is_some_and(|index| self.mark_of(index) == KEEPOUT)
+        };
+        if let Some(way) = self.way_out
+            && way.distance_m(robot) <= 0.5 * way.radius_m
+        {
+            return self.is_near(geometry, robot, room_m).then_some(way);
+        }
+        if !keeps_out(robot) {
+            return None;
+        }
+        let step_m = 0.5 * geometry.resolution_m;
+        let (width, height) = geometry.size();
+        let most_m = f64::from(width).hypot(f64::from(height)) * geometry.resolution_m;
+        let ways = (0..WAYS).filter_map(|n| {
+            let angle_rad = core::f64::consts::TAU * f64::from(n) / f64::from(WAYS);
+            let towards = Vector2::new(angle_rad.cos(), angle_rad.sin());
+            let aside = Vector2::new(-towards.y, towards.x) * (0.7 * room_m);
+            let (mut at_m, mut out_m) = (0.0, 0.0);
+            while out_m < room_m {
+                let at = robot + towards * at_m;
+                let lines = [at, at + aside, at - aside];
+                let is_passable = lines.iter().all(|at| {
+                    let index = geometry.index_of(geometry.unbounded_cell_at(*at));
+                    index.is_some_and(&is_free)
+                });
+                if !is_passable || at_m > most_m {
+                    return None;
+                }
+                let is_inside = lines.iter().any(|at| keeps_out(*at));
+                out_m = if is_inside { 0.0 } else { out_m + step_m };
+                at_m += step_m;
+            }
+            Some((at_m, robot + towards * at_m))
+        });
+        let shortest = ways.min_by(|one, other| one.0.total_cmp(&other.0));
+        shortest.map(|(_, until)| WayOut {
+            from: robot,
+            until,
+            radius_m,
+        })
+    }
+
+    /// True when a cell of a keepout zone lies within `reach_m` of a point.
+    fn is_near(&self, geometry: &GridGeometry, at: Point2<f64>, reach_m: f64) -> bool {
+        let reach = Vector2::repeat(reach_m);
+        let rect = cells_between(geometry, at - reach, at + reach);
+        (rect.min.y..rect.max.y).any(|y| {
+            (rect.min.x..rect.max.x).any(|x| {
+                let cell = Cell::new(x, y);
+                let index = geometry.index_of(cell);
+                index.is_some_and(|index| self.mark_of(index) == KEEPOUT)
+                    && (geometry.centre_of(cell) - at).norm() <= reach_m
+            })
+        })
+    }
+}
