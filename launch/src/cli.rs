@@ -22,6 +22,7 @@ use crate::remote::cli::{
     StackArgs, StepArgs, WaitArgs,
 };
 use crate::remote::swap::{ShadowArgs, SwapArgs};
+use crate::remote::zone::ZoneArgs;
 use crate::replay::ReplayArgs;
 use crate::run_plan::{RunPlan, Source};
 use crate::start_up::StartUpArgs;
@@ -118,6 +119,8 @@ pub enum Command {
     Pose(InitialPoseArgs),
     /// Put an obstacle into the simulated world of a running stack, move it, or take it out.
     Obstacle(ObstacleArgs),
+    /// Put a zone where the robot may not go or is slow, take it away, or list them.
+    Zone(ZoneArgs),
     /// Break a service of a running stack on purpose.
     Fault(FaultArgs),
     /// Exchange the process in a seat while the stack runs, or change its parameters.

@@ -1,6 +1,7 @@
 //! Listens to a running stack and keeps what the result needs.
 
 mod messages;
+mod zones;
 
 use crate::film::Film;
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -10,9 +11,11 @@ use zeronav_measure::run_totals::{RunTotals, TaskReport};
 use zeronav_measure::shadow_answers::ShadowAnswers;
 use zeronav_measure::{Records, RunHash};
 use zeronav_msgs::certainty::PoseCertainty;
+use zeronav_msgs::ZoneSet;
+use zeronav_msgs::command::RequestCause;
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
-use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
+use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView, ObstacleSource};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::Pose;
@@ -57,6 +60,14 @@ pub(crate) struct Collector {
     pub totals: RunTotals,
     /// What the stages say of why the robot does what it does.
     pub reasons: Reasons,
+    /// The zones that hold, to say which one slows or stops the robot.
+    pub zones: ZoneSet,
+    /// What decided the newest request.
+    asked: Option<RequestCause>,
+    /// The cell of a keepout zone that leaves no path. [m]
+    closed_m: Option<[f64; 2]>,
+    /// The robot's fastest speed. [m/s]
+    v_mps_max: f64,
     /// The newest truth, also after the end.
     pub truth: Option<Truth>,
     /// Where the robot was since somebody looked, as the truth says.
@@ -245,9 +256,10 @@ pub(crate) fn sensed_at(map: &MapView<'_>, obstacle: &Convex) -> Vec<[f64; 2]> {
     for y in low.y.max(0)..=high.y.min(height - 1) {
         for x in low.x.max(0)..=high.x.min(width - 1) {
             let cell = Cell::new(x, y);
-            let sensed = map
-                .get(cell)
-                .is_some_and(|cell| cell.cost == COST_LETHAL && cell.flags & FLAG_STATIC == 0);
+            let sensed = map.get(cell).is_some_and(|cell| {
+                let is_world = cell.source() != ObstacleSource::Keepout;
+                cell.cost == COST_LETHAL && cell.flags & FLAG_STATIC == 0 && is_world
+            });
             let point = geometry.centre_of(cell);
             if sensed && obstacle.distance_to_point_m(point) <= geometry.resolution_m {
                 cells_m.push([point.x, point.y]);

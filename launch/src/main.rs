@@ -9,7 +9,7 @@ use zeronav::bag::diff;
 use zeronav::cli::{Cli, Command};
 use zeronav::live_view;
 use zeronav::new_package;
-use zeronav::remote::{fault, goal, swap, verbs};
+use zeronav::remote::{fault, goal, swap, verbs, zone};
 use zeronav::show::log;
 use zeronav::{
     background_load, bag, bisect, command_start, commands, compare, completions, debug, doctor,
@@ -93,6 +93,7 @@ fn main() -> ExitCode {
         Command::Speed(arguments) => verbs::speed(&arguments),
         Command::Pose(arguments) => verbs::pose(&arguments),
         Command::Obstacle(arguments) => verbs::obstacle(&arguments),
+        Command::Zone(arguments) => zone::zone(&arguments),
         Command::Fault(arguments) => fault::fault(&arguments),
         Command::Swap(arguments) => swap::swap(&arguments),
         Command::Shadow(arguments) => swap::shadow(&arguments),

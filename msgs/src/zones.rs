@@ -11,7 +11,7 @@ use crate::{codes, message};
 pub const ZONES_MAX: usize = 128;
 
 /// Most parts of all zones.
-pub const ZONE_PARTS_MAX: usize = 1024;
+pub const ZONE_PARTS_MAX: usize = 512;
 
 /// Most corners of a part.
 pub const ZONE_CORNERS_MAX: usize = 16;
@@ -160,10 +160,7 @@ impl Zones {
         for (index, part) in parts.iter().enumerate() {
             part.check()?;
             let before = index.checked_sub(1).and_then(|before| parts.get(before));
-            match before.filter(|before| before.name == part.name) {
-                Some(before) => ensure(before.kind == part.kind, Refusal::Code("zone.kind"))?,
-                None => n_zones += 1,
-            }
+            n_zones += usize::from(before.is_none_or(|before| before.name != part.name));
         }
         ensure(n_zones <= ZONES_MAX, Refusal::Length("zones"))
     }

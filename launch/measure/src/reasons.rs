@@ -1,7 +1,7 @@
 //! Keeps what the stages said of why the robot did what it did: a moment for every change of their
 //! words, in the order of the ticks whatever the order in which they were heard.
 
-use crate::result::moment::{Command, Moment, Obstacle, Path, Request, Task};
+use crate::result::moment::{Command, Moment, Obstacle, Path, Request, Task, Zone};
 use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::command::{VelocityCommand, VelocityRequest};
 use zeronav_msgs::task::TaskState;
@@ -25,6 +25,8 @@ struct Tick {
     path: Option<Path>,
     task: Option<Task>,
     obstacles: Option<Vec<Obstacle>>,
+    /// Outer `None` = not told.
+    zone: Option<Option<Zone>>,
 }
 
 /// What the stages said.
@@ -68,6 +70,11 @@ impl Reasons {
         self.tick(tick, run_ns).command = Some(*command);
         // Requests settle what is held, as long as there is a local planner.
         self.settle_before(tick.saturating_sub(2 * HOLD_TICKS));
+    }
+
+    /// This zone makes the robot slow, or stand; `None` = none does.
+    pub fn zone(&mut self, tick: u64, run_ns: u64, zone: Option<Zone>) {
+        self.tick(tick, run_ns).zone = Some(zone);
     }
 
     /// A new path has come, or a new reason why there is none.
@@ -162,6 +169,9 @@ impl Reasons {
         if let Some(command) = &tick.command {
             next.command = Command::of(command);
         }
+        if let Some(zone) = tick.zone {
+            next.zone = zone;
+        }
         if words(&next) != words(&self.now) {
             if self.moments.len() == MOMENTS_MAX {
                 self.moments.pop_front();
@@ -188,6 +198,7 @@ fn words(moment: &Moment) -> impl PartialEq + use<> {
                 said.time_s.map(f64::to_bits),
             )
         }),
+        moment.zone.as_ref().map(|zone| zone.name.clone()),
         moment.task.map(|said| {
             let block = said.blocked.map(|blocked| blocked.block);
             (said.state, said.reason, said.stuck, block, said.waits())

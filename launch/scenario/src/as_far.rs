@@ -113,6 +113,10 @@ impl Scenario {
             let folder = document.folder_of(field).unwrap_or(Path::new(""));
             *file = absolute(&folder.join(&*file));
         }
+        for (index, zone) in scenario.zones.iter_mut().enumerate() {
+            let field = format!("zones[{index}].mask");
+            zone.place_files(document.folder_of(&field).unwrap_or(Path::new("")));
+        }
         for (field, binary) in binaries_of(&mut scenario) {
             if let Some(folder) = document.folder_of(&field)
                 && binary.components().count() > 1

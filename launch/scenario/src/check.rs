@@ -4,7 +4,7 @@ use super::{
     COORDINATE_M_MAX, ExpectSpec, FAULTS_MAX, GoalSpec, KEEP_S_MIN, Outcome, RandomFaults,
     Scenario, ScenarioError, StackFault, TIME_LIMIT_S_MAX, TOLERANCE, YAW_RAD_MAX,
 };
-use crate::{companions, hosts};
+use crate::{companions, hosts, zones};
 use core::f64::consts::PI;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::map::{TILES_PER_KEYFRAME_MAX, tiles_of};
@@ -92,6 +92,7 @@ impl Scenario {
         wrong.extend(world.and_then(|world| self.check_size(world).err()));
         wrong.extend(self.check_start(world, footprint.as_ref()).err());
         wrong.extend(self.check_goals(world, footprint.as_ref()));
+        wrong.extend(zones::check(self, world.zip(footprint.as_ref())));
         if let (Some(world), Some(footprint)) = (world, &footprint) {
             wrong.extend(self.check_trials(world, footprint).err());
         }

@@ -44,6 +44,7 @@ mod swaps;
 #[cfg(test)]
 mod tests;
 mod tolerant;
+pub mod zones;
 
 pub use check::Checked;
 pub use error::ScenarioError;
@@ -61,6 +62,7 @@ use crate::companions::CompanionSpec;
 use crate::hosts::HostSpec;
 use crate::restart::RestartSpec;
 use crate::scheduling::SchedulingSpec;
+use crate::zones::ZoneSpec;
 use core::f64::consts::PI;
 use document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -102,6 +104,9 @@ pub struct Scenario {
     /// over.
     #[serde(default)]
     pub goals: Vec<GoalSpec>,
+    /// Where the robot may not go, where it is slow, which ways it prefers.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub zones: Vec<ZoneSpec>,
     /// Who sits in the seats.
     #[serde(default)]
     pub services: ServicesSpec,

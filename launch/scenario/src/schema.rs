@@ -13,7 +13,7 @@ use super::{
 };
 use crate::restart::RestartSpec;
 use crate::scheduling::SchedulingSpec;
-use crate::{companions, hosts};
+use crate::{companions, hosts, zones};
 use serde_json::{Map, Value, json};
 use zeronav_msgs::Role;
 use zeronav_msgs::command::Intervention;
@@ -55,6 +55,7 @@ pub fn schema(services: &[(Role, Vec<Parameter>)]) -> Value {
         ("robot", robot()),
         ("start", pose()),
         ("goals", list(&goal())),
+        ("zones", zones::schema()),
         ("services", closed(seats.collect(), &[])),
         ("static_map", json!({ "type": "boolean" })),
         ("restart", object(&describe::<RestartSpec>())),

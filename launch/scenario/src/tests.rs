@@ -1,6 +1,7 @@
 //! Scenarios as users write them: what is read, and the line that names what is wrong.
 
 mod building;
+mod zones;
 
 use super::{Library, Outcome, Scenario, ScenarioError};
 use std::path::PathBuf;

@@ -62,6 +62,7 @@ impl Collector {
     /// Takes in what the robot is.
     pub(crate) fn description(&mut self, view: View<'_, RobotDescription>) {
         self.film.description(view.meta, view.items);
+        self.v_mps_max = view.meta.v_mps_max;
         self.totals.lag.description(view.meta);
     }
 
@@ -92,6 +93,7 @@ impl Collector {
     /// Takes in what the local planner asks for.
     pub(crate) fn request(&mut self, view: View<'_, ControlRequest>) {
         self.film.request(view.header.id, view.meta);
+        self.asked = view.meta.cause();
         (self.reasons).request(view.header.tick, view.header.run_ns, view.meta);
     }
 
@@ -102,6 +104,10 @@ impl Collector {
         (self.film).command(run_ns, view.header.parents.request, view.meta);
         self.aside.command(tick, self.last_tick);
         self.reasons.command(tick, run_ns, view.meta);
+        if !self.zones.is_empty() {
+            let zone = self.zone(view.meta);
+            self.reasons.zone(tick, run_ns, zone);
+        }
         (self.totals).hear(tick, run_ns, Fact::Command(view.meta.intervention()));
     }
 
@@ -200,6 +206,7 @@ impl Collector {
             return;
         };
         self.film.path(view.header.run_ns, view.meta, view.items);
+        self.closed(view.meta);
         (self.reasons).path(view.header.tick, view.header.run_ns, view.meta);
         self.records.paths.push(PathRecord {
             id: view.header.id,

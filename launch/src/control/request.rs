@@ -9,10 +9,11 @@ use zeronav_measure::result::fault::FaultResult;
 use zeronav_measure::result::moment::Moment;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_observe::control;
+use zeronav_scenario::zones::ZoneSpec;
 use zeronav_scenario::{GoalSpec, StackFault};
 
 /// What can be asked of a stack.
-pub(crate) type Request = control::Request<GoalSpec, StackFault, SwapOrder>;
+pub(crate) type Request = control::Request<GoalSpec, StackFault, SwapOrder, ZoneSpec>;
 
 /// One process of a stack. What an older program does not tell has its default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -152,6 +153,8 @@ pub(crate) enum Reply {
     Swap(Box<SwapResult>),
     /// The answer to [`Request::Why`].
     Why(Box<Moment>),
+    /// The answer to [`Request::Zones`].
+    Zones(Vec<ZoneSpec>),
     /// Done.
     Done,
     /// Not done, and why.

@@ -7,6 +7,7 @@ mod course;
 mod faults;
 mod last_pose;
 mod pace;
+mod progress;
 mod reach;
 mod resuming;
 mod serve;
@@ -17,6 +18,7 @@ mod swapping;
 mod swaps;
 mod verbs;
 mod waiting;
+mod zones;
 
 use crate::collect::Collector;
 use crate::command_start;

@@ -12,6 +12,7 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::task::GOALS_MAX;
 use zeronav_msgs::time::{nanoseconds, seconds};
+use zeronav_scenario::zones;
 use zeronav_scenario::{GoalSpec, TIME_LIMIT_S_MAX, TOLERANCE};
 use zeronav_supervise::occupant::file_name;
 use zeronav_supervise::stack::Stack;
@@ -40,6 +41,7 @@ fn interference(request: &Request) -> Option<&'static str> {
         | Request::GoalStatus { .. }
         | Request::SwapStatus { .. }
         | Request::Why { .. }
+        | Request::Zones
         | Request::Pause
         | Request::Resume
         | Request::Step { .. }
@@ -49,6 +51,7 @@ fn interference(request: &Request) -> Option<&'static str> {
         Request::Goal { .. } | Request::Cancel { .. } => Some("goals were given or cancelled by hand"),
         Request::Pose { .. } => Some("a pose was given by hand"),
         Request::Obstacle { .. } => Some("obstacles were changed by hand"),
+        Request::ZoneAdd { .. } | Request::ZoneRemove { .. } => Some("zones were changed by hand"),
         Request::Fault { .. } | Request::Heal { .. } => Some("faults were made or ended by hand"),
         Request::Swap { .. } | Request::SwapCancel => Some("services were swapped by hand"),
     }
@@ -71,6 +74,7 @@ impl Session<'_> {
                 | Request::GoalStatus { .. }
                 | Request::SwapStatus { .. }
                 | Request::Why { .. }
+                | Request::Zones
         );
         if self.is_ending && !is_question {
             return Err("the stack is ending".to_owned());
@@ -96,6 +100,9 @@ impl Session<'_> {
             }
             Request::GoalStatus { id } => return self.goal_report(id).map(Reply::Goal),
             Request::Why { ago_s } => return self.moment(ago_s).map(Reply::Why),
+            Request::Zones => return Ok(Reply::Zones(self.zones.specs())),
+            Request::ZoneAdd { zone } => self.add_zone(stack, zone)?,
+            Request::ZoneRemove { name } => self.remove_zone(stack, &name)?,
             Request::Cancel { id } => self.cancel(stack, id)?,
             Request::Pause => self.pause(stack)?,
             Request::Resume => self.resume(stack)?,
@@ -182,6 +189,7 @@ impl Session<'_> {
         }
         let at = format!("({}, {})", pose.x_m, pose.y_m);
         let (world, footprint) = (&self.prepared.world, &self.prepared.footprint);
+        let set = &self.zones.set;
         let map = self.collector.replica.view();
         let has_room = || {
             let in_world = world.free_pose_near(footprint, pose, goal.tolerance());
@@ -190,6 +198,8 @@ impl Session<'_> {
         };
         let why = if !world.contains(pose.point()) {
             format!("{at} is not on the map")
+        } else if let Some(why) = zones::keeps_out(set, footprint, pose, *tolerance_m) {
+            why
         } else if !has_room() {
             format!("the robot finds no room within {tolerance_m} m of {at}")
         } else {
@@ -200,7 +210,8 @@ impl Session<'_> {
             || "where it can drive to is not known before its first map".to_owned(),
             |(map, robot)| {
                 let reach = Reach::from(&map, robot.point());
-                let is_reached = |at| reach.contains(at);
+                let is_outside = |at| zones::is_outside(set, footprint, at);
+                let is_reached = |at| reach.contains(at) && is_outside(at);
                 self.nearest(pose, goal.yaw_tolerance_rad, is_reached)
             },
         );

@@ -6,6 +6,7 @@ use super::last_pose::LastPose;
 use super::pace::Speed;
 use super::standstill::{Standing, Standstill};
 use super::swaps::Swaps;
+use super::zones::ZoneStore;
 use crate::collect::Collector;
 use crate::companions::Companions;
 use crate::control::socket::Server;
@@ -23,7 +24,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use zeronav_console::progress::{Progress, ProgressLine, Tally};
+use zeronav_console::progress::ProgressLine;
 use zeronav_console::terminal::note;
 use zeronav_measure::run_totals::TaskReport;
 use zeronav_measure::start_up::StartStamps;
@@ -31,7 +32,6 @@ use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::{EndReason, Goal, PoseEstimate, TaskState};
-use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{GroundTruth, Topic};
 use zeronav_shell::clock::now_ns;
 use zeronav_supervise::stack::Stack;
@@ -49,7 +49,7 @@ pub(super) struct Session<'a> {
     pub(super) interrupted: Arc<AtomicBool>,
     pub(super) quota: Option<Quota>,
     pub(super) trial_runner: Option<TrialRunner<'a>>,
-    began: Instant,
+    pub(super) began: Instant,
     pub(super) collector: Collector,
     pub(super) restarter: Restarter<'a>,
     line: ProgressLine,
@@ -64,6 +64,8 @@ pub(super) struct Session<'a> {
     pub(super) orders: Orders,
     /// Obstacles that clients have put into the world.
     pub(super) placed: PlacedObstacles,
+    /// Where the robot may not go.
+    pub(super) zones: ZoneStore,
     /// Where a client has said last that the robot is.
     pub(super) given_pose: Option<PoseEstimate>,
     /// Where it was left; of a stack that stays up.
@@ -124,6 +126,7 @@ impl<'a> Session<'a> {
             placed: PlacedObstacles::new(
                 (prepared.world.obstacles().iter()).map(|obstacle| obstacle.spec.name.clone()),
             ),
+            zones: ZoneStore::default(),
             given_pose: None,
             last_pose: LastPose::of(prepared),
             swaps: Swaps::default(),
@@ -169,6 +172,7 @@ impl<'a> Session<'a> {
         for role in self.prepared.binaries.keys() {
             stack.hold_seat(*role).map_err(|error| error.to_string())?;
         }
+        self.begin_zones(stack)?;
         self.start_companions(stack)?;
         for role in Role::SERVICES {
             self.restarter.start(stack, role)?;
@@ -325,6 +329,7 @@ impl<'a> Session<'a> {
                 return ending;
             }
             self.see_to_faults(stack);
+            self.keep_zones(stack);
             self.companions.look(stack);
             let tick = self.collector.robot_tick();
             let hold_tick = self.held_at(tick);
@@ -463,33 +468,6 @@ impl<'a> Session<'a> {
             _ => self.collector.robot_tick(),
         }
     }
-
-    fn progress(&self) -> Progress {
-        let report = self.report();
-        let trials = self.quota.zip(self.trial_runner.as_ref());
-        Progress {
-            trials: trials.map(|(quota, trial_runner)| Tally {
-                done: quota.before + trial_runner.done(),
-                total: quota.total,
-                each_s: (trial_runner.done() > 0)
-                    .then(|| self.began.elapsed().as_secs_f64() / count(trial_runner.done())),
-            }),
-            time_s: seconds(self.collector.run_ns),
-            state: report.map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),
-            remaining_m: report.map(|report| report.remaining_m),
-            last_replan: self
-                .collector
-                .records
-                .paths
-                .last()
-                .map(|path| (seconds(path.run_ns), path.cause.to_string())),
-        }
-    }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
-fn count(n: usize) -> f64 {
-    n as f64
 }
 
 /// The kernel's counters of all processes.

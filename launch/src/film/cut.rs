@@ -83,6 +83,7 @@ impl Film {
         let mut bodies = Rest::of(&self.bodies);
         let mut paths = Rest::of(&self.paths);
         let mut goals = Rest::of(&self.goals);
+        let mut zones = Rest::of(&self.zones);
         let mut tasks = Rest::of(&self.tasks);
         let mut maps = Rest::of(&self.maps);
         let mut frames = Vec::new();
@@ -99,6 +100,7 @@ impl Film {
                 path: paths.newest(at).map(|planned| planned.scene()),
                 rollouts: None,
                 goals: goals.newest(at),
+                zones: zones.newest(at),
                 task: tasks.newest(at),
                 control: controls.newest(at),
                 map: patch(maps.until(at)),

@@ -29,8 +29,9 @@ use zeronav_msgs::path::{Path, Waypoint};
 use zeronav_msgs::replica::MapReplica;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::task::{Goal, TaskState};
+use zeronav_msgs::zones::ZonePart;
 use zeronav_viewer::scene::{
-    Control, Grid, Robot, Rounded, SceneGoal, SceneScan, Tile, Tracked, point, pose,
+    Control, Grid, Robot, Rounded, SceneGoal, SceneScan, SceneZone, Tile, Tracked, point, pose,
 };
 
 /// Between two poses, and two places of a scripted obstacle. [ns]
@@ -49,6 +50,7 @@ const BODIES_BYTES: usize = 150_000;
 const PATHS_BYTES: usize = 250_000;
 const MAP_BYTES: usize = 500_000;
 const TASK_BYTES: usize = 20_000;
+const ZONES_BYTES: usize = 200_000;
 
 /// Interventions of the guard that are kept at most: the first ones.
 const INTERVENTIONS_MAX: usize = 2000;
@@ -76,6 +78,7 @@ pub(crate) struct Film {
     paths: Thinned<Planned>,
     maps: Thinned<Patch>,
     goals: Thinned<Vec<SceneGoal>>,
+    zones: Thinned<Vec<SceneZone>>,
     tasks: Thinned<&'static str>,
     interventions: Vec<(u64, Intervention)>,
     interventions_left_out: u64,
@@ -107,6 +110,7 @@ impl Default for Film {
             paths: Thinned::new(0, PATHS_BYTES),
             maps: Thinned::new(MAP_NS, MAP_BYTES),
             goals: Thinned::new(0, TASK_BYTES),
+            zones: Thinned::new(0, ZONES_BYTES),
             tasks: Thinned::new(0, TASK_BYTES),
             interventions: Vec::new(),
             interventions_left_out: 0,
@@ -268,6 +272,12 @@ impl Film {
     pub(crate) fn goals(&mut self, run_ns: u64, goals: &[Goal], reached: &BTreeSet<u64>) {
         self.task = goals.to_vec();
         self.push_goals(run_ns, reached);
+    }
+
+    /// These zones hold.
+    pub(crate) fn zones(&mut self, run_ns: u64, parts: &[ZonePart]) {
+        let zones = parts.iter().map(SceneZone::of).collect();
+        self.zones.push(run_ns, zones);
     }
 
     /// What became of them.

@@ -10,7 +10,7 @@ use zeronav_msgs::map::{MapCell, MapTile, MapView, TILE_CELLS};
 use zeronav_msgs::path::{Path, Waypoint};
 use zeronav_msgs::scan::Scan;
 use zeronav_viewer::scene::{
-    Control, Grid, Rounded, SceneGoal, ScenePath, SceneScan, Tile, Tracked, robot,
+    Control, Grid, Rounded, SceneGoal, ScenePath, SceneScan, SceneZone, Tile, Tracked, robot,
 };
 
 /// Beams of a scan that are kept at most.
@@ -112,6 +112,16 @@ impl Sample for Planned {
 }
 
 impl Sample for Vec<SceneGoal> {
+    fn bytes(&self) -> usize {
+        written(self)
+    }
+
+    fn join(_: (u64, Self), later: (u64, Self)) -> (u64, Self) {
+        later
+    }
+}
+
+impl Sample for Vec<SceneZone> {
     fn bytes(&self) -> usize {
         written(self)
     }

@@ -16,7 +16,8 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::TaskKind;
 use zeronav_msgs::topics::{
     ControlRequest, GroundTruth, MapKeyframe, MapObstacles, MapUpdate, PlanPath, RobotCommand,
-    RobotDescription, RobotOdometry, RobotScan, RunControlTopic, SPANS, TaskGoal, TaskState, Topic,
+    RobotDescription, RobotOdometry, RobotScan, RunControlTopic, SPANS, TaskGoal, TaskState,
+    TaskZones, Topic,
 };
 use zeronav_recorder::file::DRIVEN_BY_SCENARIO;
 use zeronav_recorder::native::PREFIX;
@@ -186,7 +187,7 @@ fn bare(collector: &Collector) -> Result<Staged, String> {
 }
 
 /// What is read besides the records of cycles.
-const TOPICS: [&str; 13] = [
+const TOPICS: [&str; 14] = [
     RunControlTopic::ROW.name,
     RobotDescription::ROW.name,
     TaskGoal::ROW.name,
@@ -200,6 +201,7 @@ const TOPICS: [&str; 13] = [
     MapUpdate::ROW.name,
     PlanPath::ROW.name,
     TaskState::ROW.name,
+    TaskZones::ROW.name,
 ];
 
 /// A recording while it is read. A recorder writes what has come on one topic after the other, so messages wait until
@@ -278,6 +280,7 @@ impl<'a> Reading<'a> {
                 collector.goals(view.items);
             }
         });
+        note.show::<TaskZones>(|view| collector.take_zones(view.meta, view.items));
         note.show::<GroundTruth>(|view| collector.truth(view, &placed));
         note.show::<ControlRequest>(|view| collector.request(view));
         note.show::<RobotCommand>(|view| collector.command(view));

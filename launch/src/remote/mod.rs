@@ -7,5 +7,6 @@ pub mod goal;
 mod ps;
 pub mod swap;
 pub mod verbs;
+pub mod zone;
 
 pub use ps::ps;

@@ -12,8 +12,10 @@ use driving::driving;
 use words::{age, failure, no_way, stale, waiting};
 use zeronav_measure::result::moment::{Command, Moment, Path, Point, Request, Task};
 use zeronav_msgs::command::{AGE_MS_MAX, Intervention, RequestCause, Validity};
+use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::{EndReason, TaskState};
+use zeronav_shell::printable;
 
 /// [m/s] and [rad/s] below which a robot stands.
 const STANDING: (f64, f64) = (0.005, 0.01);
@@ -31,6 +33,7 @@ pub(super) fn why(moment: &Moment, around: &Around) -> String {
         ));
     }
     said.push(decided(moment, around));
+    said.extend(zone(moment));
     said.extend(inputs(moment));
     said.retain(|sentence| !sentence.is_empty());
     said.join(" ")
@@ -115,6 +118,19 @@ fn guard(command: &Command, request: Option<&Request>) -> Option<String> {
         Intervention::Refused => {
             "The collision guard brakes because the request is not usable, or the robot is not \
              described: the local planner must send finite numbers."
+                .to_owned()
+        }
+        Intervention::ZoneSlowed => format!(
+            "The collision guard slows down the request{asked}: the robot is in a zone with a speed \
+             limit. It lets the robot go faster outside."
+        ),
+        Intervention::ZoneStopped => format!(
+            "The collision guard holds back the request{asked}: it leads into a keepout zone, or \
+             farther in. It lets the robot go where it gets out."
+        ),
+        Intervention::ZonesMissing => {
+            "The collision guard brakes because zones were announced that have not come: launch \
+             sends them again every second."
                 .to_owned()
         }
         Intervention::StoppedShort => format!(
@@ -216,6 +232,32 @@ fn no_path(path: Option<&Path>, task: Option<Task>) -> String {
             no_way(path)
         ),
     }
+}
+
+/// True when a zone is what the stages speak of.
+#[must_use]
+pub(super) fn names_zone(moment: &Moment) -> bool {
+    let (command, request) = (moment.command.as_ref(), moment.request.as_ref());
+    let by_guard = command.is_some_and(|command| {
+        matches!(
+            command.intervention,
+            Intervention::ZoneSlowed | Intervention::ZoneStopped
+        )
+    });
+    let path = moment.path.as_ref();
+    by_guard
+        || request.is_some_and(|request| request.cause == RequestCause::SpeedZone)
+        || path.is_some_and(|path| path.source == ObstacleSource::Keepout)
+}
+
+/// The zone that makes the robot slow, or stand.
+fn zone(moment: &Moment) -> Option<String> {
+    let zone = moment.zone.as_ref().filter(|_| names_zone(moment))?;
+    let name = printable(&zone.name);
+    Some(match zone.limit_mps {
+        Some(limit_mps) => format!("Slow: zone `{name}`, {limit_mps} m/s."),
+        None => format!("Stopped: zone `{name}`, keepout."),
+    })
 }
 
 /// How old the inputs of the local planner are.

@@ -1,6 +1,7 @@
 //! A running stack: the domain, its topics, launch's own ports, and the processes.
 
 mod pair;
+mod sent;
 mod shutdown;
 
 pub use shutdown::close;
@@ -21,11 +22,10 @@ use std::path::Path;
 use zeronav_msgs::health::HealthState;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, Seat, TOPIC_FAULTS_MAX, TopicFault};
-use zeronav_msgs::task::{Goal, PoseEstimate, Task, TaskKind};
 use zeronav_msgs::topics::{
-    EVENT_NEED_KEYFRAME, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskPose, TopicRow,
+    EVENT_NEED_KEYFRAME, RunClockTopic, RunControlTopic, SimPlacement, TaskGoal, TaskPose,
+    TaskZones, TopicRow,
 };
-use zeronav_msgs::truth::{Placement, Placements};
 use zeronav_scenario::scheduling::SchedulingSpec;
 use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Bells;
@@ -83,6 +83,8 @@ pub struct Stack {
     goals: Writer<TaskGoal>,
     poses: Writer<TaskPose>,
     placements: Writer<SimPlacement>,
+    /// Opened with the first zone: without one they take no memory.
+    zones: Option<Writer<TaskZones>>,
     bells: Bells,
     cleaner: Cleaner,
     topics: Option<Topics>,
@@ -137,6 +139,7 @@ impl Stack {
             goals: peer.writer(zeronav_msgs::task::GOALS_MAX)?,
             poses: peer.writer(1)?,
             placements: peer.writer(zeronav_msgs::truth::TRUTH_OBSTACLES_MAX)?,
+            zones: None,
             bells: Bells::open(&peer)?,
             cleaner: Cleaner::new(peer.domain().root()),
             topics: Some(topics),
@@ -370,42 +373,6 @@ impl Stack {
             .position(|child| Some(child.role) != left_out && child.ended().is_some())
     }
 
-    /// Sends a task and returns its id; without goals it cancels the one before. In lockstep
-    /// `from_tick` lies above the lease.
-    pub fn send_goals(&mut self, goals: &[Goal], from_tick: u64) -> u64 {
-        let kind = if goals.is_empty() {
-            TaskKind::Cancel
-        } else {
-            TaskKind::Go
-        };
-        let task = Task {
-            kind: kind.code(),
-            n_goals: u32::try_from(goals.len()).unwrap_or(0),
-            from_tick,
-            ..Task::default()
-        };
-        let sent = self.goals.publish(&Draft::default(), task, goals);
-        self.ring_for(self.goals.row());
-        sent.map_or(0, |sent| sent.id.0)
-    }
-
-    /// Tells mapping where the robot is; false when there was no memory for the message.
-    pub fn estimate_pose(&mut self, estimate: PoseEstimate) -> bool {
-        let sent = self.poses.publish(&Draft::default(), estimate, &[]);
-        self.ring_for(self.poses.row());
-        sent.is_some()
-    }
-
-    /// Puts obstacles into the simulated world; false when there was no memory for the message.
-    pub fn place(&mut self, placements: &[Placement]) -> bool {
-        let meta = Placements {
-            n_placements: placements.len() as u64,
-        };
-        let sent = self.placements.publish(&Draft::default(), meta, placements);
-        self.ring_for(self.placements.row());
-        sent.is_some()
-    }
-
     /// Delays every answer of a seat by so many steps of [`zeronav_msgs::run::DELAY_STEP_NS`], and puts
     /// its clocks forward.
     pub fn impede(&mut self, role: Role, delay: u16, clock_offset_ms: i32) {
@@ -458,8 +425,12 @@ impl Stack {
 
     /// Brings latched topics to readers that joined since.
     pub fn refresh(&self) {
-        self.clock.refresh();
+        // Before what names them, and that before what a service begins with.
+        if let Some(zones) = &self.zones {
+            zones.refresh();
+        }
         self.control.refresh();
+        self.clock.refresh();
         self.goals.refresh();
         self.poses.refresh();
     }

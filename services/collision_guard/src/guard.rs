@@ -10,13 +10,14 @@ use crate::ramp::Ramp;
 use crate::verdict::{Decider, Mover, Verdict};
 use crate::view::View;
 use crate::watch::{FrozenScan, OdometrySense, Order};
+use crate::zones::{Held, ZoneRules};
 use zeronav_motion::Twist;
-use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::time::seconds;
+use zeronav_msgs::{Pose, ZoneSet};
 
 /// Share of beams that must say anything (a range or "no return"); a scan with fewer is a blind
 /// sensor.
@@ -96,6 +97,9 @@ pub struct Guard {
     blind_before_ns: u64,
     described: Option<(Description, Limits, Outline)>,
     corners: Vec<Corner>,
+    zones: ZoneRules,
+    /// Zones were announced and have not come.
+    lacks_zones: bool,
     /// Of this decision.
     decider: Decider,
 }
@@ -120,8 +124,25 @@ impl Guard {
             blind_before_ns: 0,
             described: None,
             corners: Vec::new(),
+            zones: ZoneRules::default(),
+            lacks_zones: false,
             decider: None,
         }
+    }
+
+    /// Takes in the zones that hold from now on.
+    pub fn take_zones(&mut self, set: &ZoneSet) {
+        self.zones.set(set);
+    }
+
+    /// Takes in how the map lies to odometry, and whether mapping knows where the robot is on it.
+    pub fn locate(&mut self, map_from_odom: Pose, knows_pose: bool) {
+        self.zones.locate(map_from_odom, knows_pose);
+    }
+
+    /// Takes in whether zones were announced that have not come: then the robot stops.
+    pub fn lacks_zones(&mut self, lacks: bool) {
+        self.lacks_zones = lacks;
     }
 
     /// The command of this period: always finite and within the limits.
@@ -131,7 +152,7 @@ impl Guard {
     /// order), a request that is no number (`Refused`) and the end of the run become
     /// [`Limits::towards_rest`]. A request whose way (obeyed for the reaction time, then braked) is
     /// not free is slowed down on its arc as far as needed (`Slowed`), and when no speed is slow
-    /// enough the robot stops (`StoppedShort`). Without a usable description the command is zero,
+    /// enough the robot stops (`StoppedShort`); the same is done for zones (`ZoneSlowed`, `ZoneStopped`). Without a usable description the command is zero,
     /// because nothing bounds a ramp.
     pub fn decide(&mut self, inputs: &GuardInputs<'_>) -> VelocityCommand {
         self.decider = None;
@@ -194,6 +215,7 @@ impl Guard {
         self.described = Limits::of(description)
             .filter(|_| description.check(corners).is_ok())
             .map(|limits| (*description, limits, Outline::new(description, corners)));
+        self.zones.describe(description, corners);
     }
 
     fn take_odometry(&mut self, inputs: &GuardInputs<'_>) {
@@ -291,6 +313,9 @@ impl Guard {
         if validity != Validity::Drive {
             return Verdict::Rest(validity, Intervention::None);
         }
+        if self.lacks_zones {
+            return Verdict::Rest(Validity::Stale, Intervention::ZonesMissing);
+        }
         let asked = Twist {
             v_mps: request.v_mps,
             w_radps: request.w_radps,
@@ -309,6 +334,15 @@ impl Guard {
         let Some((description, limits, outline)) = &self.described else {
             return Verdict::Rest(Validity::Stale, Intervention::Refused);
         };
+        let delay_s = seconds(description.actuation_delay_ns);
+        let reaction_s = self.config.reaction_s + delay_s;
+        let held = (self.zones).hold(asked, odometry, (description, limits), reaction_s);
+        let (asked, by_zone) = match held {
+            Held::Free(twist) => (twist, None),
+            Held::Slowed(twist) => (twist, Some(Intervention::ZoneSlowed)),
+            Held::Short(twist) => (twist, Some(Intervention::ZoneStopped)),
+            Held::Stop => return Verdict::Rest(Validity::Blocked, Intervention::ZoneStopped),
+        };
         let mover = Mover {
             config: &self.config,
             limits,
@@ -318,7 +352,12 @@ impl Guard {
         };
         let (verdict, decider) = mover.judge(asked, odometry, &mut self.view);
         self.decider = decider;
-        verdict
+        match (verdict, by_zone) {
+            (Verdict::Pass(twist, Intervention::None | Intervention::Clamped), Some(by_zone)) => {
+                Verdict::Pass(twist, by_zone)
+            }
+            _ => verdict,
+        }
     }
 
     /// The twist of the robot when a command of now takes effect, as far as odometry can be believed.

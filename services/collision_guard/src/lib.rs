@@ -27,6 +27,7 @@ mod swept;
 mod verdict;
 mod view;
 mod watch;
+mod zones;
 
 pub use config::GuardConfig;
 pub use guard::{Guard, GuardInputs, OdometryInput, ScanInput};

@@ -55,6 +55,7 @@ impl Service for GuardService {
     fn wake(&mut self, shell: &mut Shell, _rung: Rung) -> Result<(), StartError> {
         let trigger = self.readings.poll(shell);
         self.check_config(shell)?;
+        self.follow_zones(shell, trigger.tick)?;
         for due in shell.due(&trigger) {
             self.answer(shell, due);
         }
@@ -84,6 +85,19 @@ impl GuardService {
         config.check(period_s, scan_period_s)?;
         self.config = None;
         tracing::info!(period_s, scan_period_s, "the guard begins");
+        Ok(())
+    }
+
+    /// Takes in zones, and where the robot is among them.
+    fn follow_zones(&mut self, shell: &Shell, tick: u64) -> Result<(), StartError> {
+        if self.readings.zones.advance(tick) {
+            self.guard.take_zones(self.readings.zones.set());
+        }
+        let is_missing = self.readings.zones.is_missing(shell.roster());
+        self.guard.lacks_zones(is_missing);
+        if let Some((map_from_odom, knows_pose)) = self.readings.located(shell)? {
+            self.guard.locate(map_from_odom, knows_pose);
+        }
         Ok(())
     }
 

@@ -4,9 +4,9 @@ use zeronav_collision_guard::{GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::Pose;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::role::Role;
-use zeronav_msgs::topics::{ControlRequest, RobotDescription, RobotScan};
+use zeronav_msgs::topics::{ControlRequest, MapUpdate, RobotDescription, RobotScan};
 use zeronav_shell::{
-    Draft, Due, Latest, OdometryReader, Peer, Received, Shell, StartError, Trigger,
+    Draft, Due, Latest, OdometryReader, Peer, Received, Shell, StartError, Trigger, ZoneInput,
 };
 
 /// How long after odometry the guard waits for the request that belongs to it. [ns]
@@ -20,6 +20,9 @@ pub(crate) struct Readings {
     request: Latest<ControlRequest>,
     /// The newest scan came after the answer before, and [`Self::ahead`] has not told it.
     is_scan_new: bool,
+    pub(crate) zones: ZoneInput,
+    /// For the pose among zones; opened with the first one.
+    map: Option<Latest<MapUpdate>>,
     /// When the answer before began. [ns]
     answered_ns: u64,
     /// When this one began. [ns]
@@ -35,6 +38,8 @@ impl Readings {
             scan: peer.latest()?,
             request: peer.latest()?,
             is_scan_new: false,
+            zones: ZoneInput::open(peer)?,
+            map: None,
             answered_ns: 0,
             began_ns: 0,
         })
@@ -48,19 +53,51 @@ impl Readings {
         self.description.poll(roster);
         let requested = self.request.poll(roster);
         self.is_scan_new |= self.scan.poll(roster);
+        self.zones.poll(roster);
         let tick = self.odometry.tick();
         let trigger = Trigger {
             tick,
             complete: if roster.lockstep() {
                 !roster.awaits(Role::LocalPlanner, tick, self.request.spoken_tick())
+                    && !self.zones.is_missing(roster)
             } else {
                 requested
             },
             deadline_ns: self.odometry.newest().map(|it| it.came_ns + PATIENCE_NS),
             news: requested,
         };
-        shell.count(&[&self.odometry, &self.scan, &self.request]);
+        shell.count(&[
+            &self.odometry,
+            &self.scan,
+            &self.request,
+            &self.zones,
+            &self.map,
+        ]);
         trigger
+    }
+
+    /// How the newest map lies to odometry, and whether mapping knows where the robot is, when that is
+    /// news and there are zones.
+    ///
+    /// # Errors
+    /// As [`Peer::latest`].
+    pub(crate) fn located(&mut self, shell: &Shell) -> Result<Option<(Pose, bool)>, StartError> {
+        if self.map.is_none() {
+            if self.zones.set().is_empty() {
+                return Ok(None);
+            }
+            self.map = Some(shell.peer().latest()?);
+        }
+        let Some(map) = &mut self.map else {
+            return Ok(None);
+        };
+        if !map.poll(shell.roster()) {
+            return Ok(None);
+        }
+        let located = (map.get()).map(|view| (view.meta.map_from_odom, view.meta.knows_pose()));
+        // The tiles are large, and of no use here.
+        map.release();
+        Ok(located)
     }
 
     /// Begins an answer.

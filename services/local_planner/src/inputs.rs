@@ -9,7 +9,7 @@ use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::path::{Path, Waypoint};
-use zeronav_msgs::{MapView, Pose};
+use zeronav_msgs::{MapView, Pose, ZoneSet};
 
 /// The newest path message.
 #[derive(Debug, Clone, Copy)]
@@ -50,6 +50,8 @@ pub struct Inputs<'a> {
     pub scan_points_in_base: &'a [Point2<f64>],
     /// The commands on their way to the wheels.
     pub in_flight: &'a InFlight,
+    /// Where the robot is slow; `None` = nowhere.
+    pub zones: Option<&'a ZoneSet>,
     /// Ages of all of them.
     pub ages: Ages,
     /// The run is stopping.

@@ -51,6 +51,7 @@ pub mod task;
 mod test_robot;
 mod thin;
 mod turn;
+mod zone_speed;
 
 pub use config::LocalPlannerConfig;
 pub use inputs::{Inputs, PathInput};

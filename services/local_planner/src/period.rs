@@ -19,6 +19,7 @@ use crate::staleness::{Ages, StaleInput, ageing, speed_factor};
 pub use crate::table::BuildError;
 use crate::table::controller;
 use crate::task::{Planned, TaskInputs, TaskMachine, TaskStep};
+use crate::zone_speed::zone_mps;
 use nalgebra::Point2;
 use zeronav_motion::{Ahead, Twist, stop_distance_m, towards_rest};
 use zeronav_msgs::Pose;
@@ -288,6 +289,17 @@ impl LocalPlanner {
         })
     }
 
+    /// The fastest speed that zones allow here and on the path ahead. [m/s]
+    fn zone_mps(&self, inputs: &Inputs<'_>, route: Route<'_>, robot: &Pose) -> f64 {
+        let (Some(zones), Some((description, _))) = (inputs.zones, inputs.robot) else {
+            return f64::INFINITY;
+        };
+        zone_mps(zones, description, robot.point(), |ahead_m| {
+            let arc_m = route.place.arc_m + ahead_m;
+            self.tracker.point_at(route.waypoints, arc_m)
+        })
+    }
+
     /// What the robot is about.
     #[must_use]
     pub fn behaviour(&self) -> Behaviour {
@@ -365,6 +377,7 @@ impl LocalPlanner {
             past_hits_in_base,
             goal: &goal,
             speed_factor,
+            zone_mps: self.zone_mps(inputs, route, &map_from_base),
             period_s: inputs.period_s,
             ahead_s: 0.0,
         };

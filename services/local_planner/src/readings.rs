@@ -16,7 +16,8 @@ use zeronav_msgs::topics::{
     TaskState,
 };
 use zeronav_shell::{
-    Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError, Stream,
+    Draft, Due, Latest, MapInput, OdometryReader, Peer, Received, Roster, Shell, StartError,
+    Stream, ZoneInput,
 };
 
 /// The readers of the seat.
@@ -32,6 +33,7 @@ pub(crate) struct Readings {
     /// Where they will be, when that is told.
     foresight: Option<Latest<SimForesight>>,
     path: Latest<PlanPath>,
+    zones: ZoneInput,
     /// What the wheels get.
     commands: Stream<RobotCommand>,
     in_flight: InFlight,
@@ -78,6 +80,7 @@ impl Readings {
             remembered: Remembered::default(),
             foresight: None,
             path: peer.latest()?,
+            zones: ZoneInput::open(peer)?,
             commands: peer.stream()?,
             in_flight: InFlight::default(),
             office: peer.stream()?,
@@ -104,6 +107,7 @@ impl Readings {
         self.description.poll(roster);
         let task = self.task.poll(roster);
         let path = self.path.poll(roster);
+        self.zones.poll(roster);
         let in_flight = &mut self.in_flight;
         self.commands.drain(roster, |view| {
             let command = Twist::new(view.meta.v_mps, view.meta.w_radps);
@@ -208,6 +212,7 @@ impl Readings {
             &self.path,
             &self.commands,
             &self.task,
+            &self.zones,
             &self.foresight,
         ]);
     }
@@ -220,6 +225,9 @@ impl Readings {
             return true;
         }
         let map_tick = self.map.received().map_or(0, |map| map.tick);
+        if self.zones.is_missing(roster) {
+            return false;
+        }
         let scan_complete = self.scan.tick() >= tick
             && !self.scan_fresh
             && !roster.awaits(Role::Mapping, tick, map_tick)
@@ -259,6 +267,7 @@ impl Readings {
 
     /// What is known at the beginning of an answer.
     pub(crate) fn inputs(&mut self, shell: &Shell, draft: &Draft, period_s: f64) -> Inputs<'_> {
+        self.zones.advance(draft.tick);
         let age_ns = |message: Received| shell.age_ns(draft, &message);
         let newest = self.odometry.newest();
         let odometry = newest.map(|newest| &newest.odometry);
@@ -291,6 +300,7 @@ impl Readings {
                 waypoints: view.items,
             }),
             in_flight: &self.in_flight,
+            zones: Some(self.zones.set()).filter(|zones| zones.has_limit()),
             ages: Ages {
                 scan_ns: self.scan.received().map(age_ns),
                 odometry_ns: newest.map(|newest| age_ns(newest.received())),

@@ -57,6 +57,8 @@ pub struct Situation<'a> {
     pub goal: &'a Goal,
     /// [0, 1] share of the fastest speed that the age of the inputs allows.
     pub speed_factor: f64,
+    /// [m/s] fastest speed that zones allow here and on the path ahead; infinite = they set none.
+    pub zone_mps: f64,
     /// [s] control period: the published twist holds that long.
     pub period_s: f64,
     /// [s] by which "now" is ahead of the scan and of what the sensors tell; see

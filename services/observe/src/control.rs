@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What can be asked of a stack. Goals, faults and orders of swaps are what the program that asks or answers
+/// What can be asked of a stack. Goals, faults, orders of swaps and zones are what the program that asks or answers
 /// takes them for: launch reads and checks them, others pass them on as they are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "command", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Request<Goal, Fault, Order> {
+pub enum Request<Goal, Fault, Order, Zone> {
     /// The stack and its processes.
     Ps,
     /// Drive to these poses in order, after those of the clients before.
@@ -66,6 +66,18 @@ pub enum Request<Goal, Fault, Order> {
         /// What becomes of it.
         change: ObstacleChange,
     },
+    /// Put a zone, in place of one of the same name.
+    ZoneAdd {
+        /// Which.
+        zone: Zone,
+    },
+    /// Take a zone away.
+    ZoneRemove {
+        /// Its name.
+        name: String,
+    },
+    /// The zones that hold.
+    Zones,
     /// Break something on purpose.
     Fault {
         /// Which, and how.

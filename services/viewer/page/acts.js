@@ -12,6 +12,7 @@ const ZeronavActs = (() => {
     { key: "queue", name: "Queue", hint: "click or drag: a goal after the others" },
     { key: "pose", name: "Pose estimate", hint: "drag: the robot is here and looks this way" },
     { key: "obstacle", name: "Obstacle", hint: "drag: put a box into the simulated world" },
+    { key: "zone", name: "Zone", hint: "click: a corner · click the first corner: done · drag: move the map · Esc: forget it" },
   ];
   const ENDED = new Set(["swapped", "compared", "rejected", "rolled_back", "cancelled"]);
 
@@ -91,12 +92,49 @@ const ZeronavActs = (() => {
       by("clear").hidden = placed.length === 0;
     }
 
+    /** Asks for the zone that was drawn, of the kind and name in the form. */
+    async function zone(polygon) {
+      const kind = by("zone-kind").value;
+      const value = Number(by("zone-value").value);
+      const newest = page.scene() && page.scene().at(Infinity);
+      const taken = new Set(((newest && newest.zones) || []).map(([name]) => name));
+      let name = by("zone-name").value.trim();
+      for (let n = 1; !name; n++) if (!taken.has(`zone ${n}`)) name = `zone ${n}`;
+      const more = { speed_limit: { limit_mps: value }, lane: { cost: value }, cost: { cost: value } }[kind] || {};
+      const asked = { name, kind, polygon: polygon.map((corner) => corner.map(millimetres)), ...more };
+      if (await act({ command: "zone_add", zone: asked }, `zone ${name} added`)) by("zone-name").value = "";
+    }
+    /** The zones that can be taken away, and what else the form shows. */
+    function showZones() {
+      const newest = page.scene() && page.scene().at(Infinity);
+      const names = [...new Set(((newest && newest.zones) || []).map(([name]) => name))];
+      const list = by("zone-list");
+      by("zone-form").hidden = view.tool !== "zone";
+      if (list.dataset.names !== names.join("\n")) {
+        list.dataset.names = names.join("\n");
+        list.replaceChildren(...names.map((name) => Object.assign(make("option", name), { value: name })));
+      }
+      list.hidden = by("zone-remove").hidden = names.length === 0;
+      const defaults = { keepout: null, speed_limit: "0.3", lane: "100", cost: "100" };
+      const value = by("zone-value");
+      const kind = by("zone-kind").value;
+      if (value.dataset.kind !== kind) {
+        value.dataset.kind = kind;
+        value.hidden = defaults[kind] === null;
+        value.value = defaults[kind] || "";
+        value.title = kind === "speed_limit" ? "fastest speed [m/s]" : "cost, 1 to 252";
+      }
+    }
+
     function setTool(key) {
       view.tool = key;
+      view.corners = [];
       const tool = TOOLS.find((each) => each.key === key);
       by("hint").textContent = tool.hint;
       for (const button of by("modes").children) button.setAttribute("aria-pressed", String(button.dataset.tool === key));
       by("view").dataset.tool = key;
+      showZones();
+      view.redraw();
     }
 
     // -------------------------------------------------------------- stop
@@ -249,6 +287,17 @@ const ZeronavActs = (() => {
         else goal(at, yaw, is_added || tool === "queue");
       };
       view.ondraft = obstacle;
+      view.onzone = zone;
+      by("zone-kind").addEventListener("change", showZones);
+      by("zone-remove").addEventListener("click", () => {
+        const name = by("zone-list").value;
+        act({ command: "zone_remove", name }, `zone ${name} removed`);
+      });
+      addEventListener("keydown", (event) => {
+        if (event.key !== "Escape" || !view.corners.length) return;
+        view.corners = [];
+        view.redraw();
+      });
       by("stop").addEventListener("click", stop);
       by("faults").addEventListener("click", () => {
         with_faults = !with_faults;
@@ -267,10 +316,12 @@ const ZeronavActs = (() => {
       });
     }
     function disable() {
-      view.onpose = view.ondraft = null;
+      view.onpose = view.ondraft = view.onzone = null;
       view.tool = "move";
+      view.corners = [];
+      showZones();
     }
-    return { enable, disable, report, seatActs };
+    return { enable, disable, report, seatActs, showZones };
   }
 
   return { acts, say };

@@ -83,6 +83,7 @@
     if (is_live) player.now_s = frame.time_s;
     for (const event of frame.events || []) addEvent(event);
     showLegend();
+    if (frame.zones) acts.showZones();
     by("clock").textContent = `${frame.time_s.toFixed(2)} s`;
     const [v, w] = [state.robot[3], state.robot[4]];
     by("speed").textContent = `${v.toFixed(2)} m/s  ${w.toFixed(2)} rad/s`;

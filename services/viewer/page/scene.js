@@ -154,6 +154,7 @@ const ZeronavScene = (() => {
       scan: "#e03131", obstacle: "#b7791f", path: "#1c62d6", before: "#1c62d6", track: "#7b8794",
       robot: "#0b8f6a", robotFill: "#0b8f6a33", truth: "#6b7280", goal: "#a3319f", body: "#9aa3ad",
       free_arc: "#0b8f6a", slowed: "#d08700", stopped: "#d62f2f", text: "#3b434d", halo: "#ffffffcc",
+      keepout: "#c2255c", speed_limit: "#c77700", avoid: "#7048e8", lane: "#2b8a3e",
       chosen: "#e6007e", costlier: "#8b95a1", collision: "#e07b00", moving_collision: "#7a4fd0", no_stop: "#d62f2f",
     },
     dark: {
@@ -162,6 +163,7 @@ const ZeronavScene = (() => {
       scan: "#ff6b6b", obstacle: "#e5b567", path: "#6aa5ff", before: "#6aa5ff", track: "#7d8894",
       robot: "#3ddbac", robotFill: "#3ddbac33", truth: "#8f98a3", goal: "#e17fdc", body: "#58616b",
       free_arc: "#3ddbac", slowed: "#f0b429", stopped: "#ff5c5c", text: "#c3cad2", halo: "#14181ccc",
+      keepout: "#ff6f9c", speed_limit: "#f5b14a", avoid: "#a58bff", lane: "#69db7c",
       chosen: "#ff4fb0", costlier: "#77828e", collision: "#ffa62b", moving_collision: "#b395ec", no_stop: "#ff5c5c",
     },
   };
@@ -173,6 +175,7 @@ const ZeronavScene = (() => {
     { key: "regularised", name: "regularised", on: true, map: true },
     { key: "cost", name: "cost", on: false, map: true },
     { key: "clearance", name: "clearance", on: false, map: true },
+    { key: "zone", name: "zones", colour: "keepout", on: true },
     { key: "scan", name: "scan", on: true },
     { key: "obstacle", name: "tracked", on: true },
     { key: "path", name: "path", on: true },
@@ -191,6 +194,15 @@ const ZeronavScene = (() => {
     { key: "moving_collision", name: "leads into a moving obstacle" },
     { key: "no_stop", name: "no room to stop" },
   ];
+
+  // How the kinds of zones look: the colour, and what stands behind the name.
+  const ZONES = {
+    keepout: { colour: "keepout", says: () => "keepout" },
+    speed_limit: { colour: "speed_limit", says: (value) => `${value} m/s` },
+    speed_percent: { colour: "speed_limit", says: (value) => `${value} %` },
+    cost: { colour: "avoid", says: (value) => `cost ${value}` },
+    lane: { colour: "lane", says: () => "lane" },
+  };
 
   const channels = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 
@@ -267,6 +279,7 @@ const ZeronavScene = (() => {
   const CLICK_PX = 5; // a pointer that moved less has clicked
   const TOUCH_PX = 12; // a finger
   const UNSEEN_S = 0.3; // after which a tracked obstacle is only an outline
+  const ZONE_CORNERS_MAX = 16;
 
   /** Draws a moment of a scene, and moves over it. */
   class View {
@@ -282,6 +295,8 @@ const ZeronavScene = (() => {
       this.centre = [0, 0];
       this.tool = "move"; // what a drag of the main button does; any other word goes to `onpose`
       this.draft = null; // what is being drawn: {is_box, from: [x, y], to: [x, y]}
+      this.corners = []; // of a zone that is being drawn
+      this.onzone = null; // ([[x, y], ...]) of a closed polygon
       this.onpose = null; // ({tool, at: [x, y], yaw, is_added}); yaw is null after a click
       this.ondraft = null; // ([[x, y], [x, y]]) of a rectangle
       this.pointers = new Map();
@@ -343,6 +358,7 @@ const ZeronavScene = (() => {
         this.pinched = this.pinched || this.pointers.size > 1;
         this.draft = null;
         if (event.button !== 0 || this.pinched || !this.scale) return;
+        if (this.tool === "zone") return;
         const to = this.toMap(...from);
         const is_box = this.tool === "obstacle" || (this.tool === "goal" && event.shiftKey);
         if (is_box ? this.ondraft : this.onpose && this.tool !== "move") this.draft = { is_box, from: to, to, is_added: event.shiftKey };
@@ -358,10 +374,28 @@ const ZeronavScene = (() => {
         const draft = this.draft;
         this.draft = null;
         if (pointer && is_done && draft) this.finish(draft, pointer.moved);
+        else if (pointer && is_done && event.button === 0 && this.tool === "zone" && !pointer.moved && !this.pinched) this.corner(at(event));
         this.redraw();
       };
       canvas.addEventListener("pointerup", (event) => end(event, true));
       canvas.addEventListener("pointercancel", (event) => end(event, false));
+    }
+    /** One more corner of a zone; on the first one, or twice on the last, the zone is closed. */
+    corner([px, py]) {
+      if (!this.onzone || !this.scale) return;
+      const is_on = (corner) => {
+        const [x, y] = this.toScreen(corner);
+        return Math.hypot(x - px, y - py) <= 2 * CLICK_PX;
+      };
+      const { corners } = this;
+      const closes = corners.length >= 3 && (is_on(corners[0]) || is_on(corners[corners.length - 1]));
+      if (closes) {
+        this.corners = [];
+        this.onzone(corners);
+      } else if (corners.length < ZONE_CORNERS_MAX && !(corners.length && is_on(corners[corners.length - 1]))) {
+        corners.push(this.toMap(px, py));
+      }
+      this.redraw();
     }
     /** Hands over what was drawn. */
     finish({ is_box, from, to, is_added }, moved) {
@@ -414,6 +448,7 @@ const ZeronavScene = (() => {
       const px = 1 / this.scale; // a pixel of the screen in metres
       to.lineJoin = to.lineCap = "round";
       if (log) this.drawMap(to, log, moment, theme);
+      if (this.layers.zone) this.drawZones(to, moment, theme, px);
       this.drawBodies(to, moment, theme, px);
       if (this.layers.track) this.drawTrack(to, moment, theme, px);
       if (this.layers.path) this.drawPaths(to, moment, theme, px);
@@ -425,7 +460,9 @@ const ZeronavScene = (() => {
       if (this.layers.arc) this.drawArc(to, moment, theme, px);
       this.drawRobot(to, moment, theme, px);
       if (this.draft) this.drawDraft(to, theme, px);
+      if (this.corners.length) this.drawCorners(to, theme, px);
       to.setTransform(ratio, 0, 0, ratio, 0, 0);
+      if (this.layers.zone) this.nameZones(to, moment, theme);
       this.drawScaleBar(to, theme, width, height);
     }
 
@@ -467,6 +504,52 @@ const ZeronavScene = (() => {
         to.setLineDash([4 * px, 3 * px]);
         stroke(to, theme.body, 1.5 * px);
         to.setLineDash([]);
+      }
+    }
+
+    drawZones(to, moment, theme, px) {
+      for (const [, kind, , corners] of moment.zones || []) {
+        const colour = theme[(ZONES[kind] || ZONES.keepout).colour];
+        polygon(to, corners);
+        to.fillStyle = colour + (kind === "keepout" ? "4d" : "22");
+        to.fill();
+        to.setLineDash(kind === "lane" ? [6 * px, 4 * px] : []);
+        stroke(to, colour, 1.5 * px);
+        to.setLineDash([]);
+      }
+    }
+
+    /** The name of each zone once, in the middle of its first part, and what it asks for. */
+    nameZones(to, moment, theme) {
+      const named = new Set();
+      to.font = "12px system-ui, sans-serif";
+      to.textAlign = "center";
+      to.lineJoin = "round";
+      for (const [name, kind, value, corners] of moment.zones || []) {
+        if (named.has(name)) continue;
+        named.add(name);
+        const looks = ZONES[kind] || ZONES.keepout;
+        const middle = corners.reduce(([x, y], corner) => [x + corner[0] / corners.length, y + corner[1] / corners.length], [0, 0]);
+        const [px, py] = this.toScreen(middle);
+        const text = `${name} · ${looks.says(value)}`;
+        to.strokeStyle = theme.halo;
+        to.lineWidth = 3;
+        to.strokeText(text, px, py + 4);
+        to.fillStyle = theme[looks.colour];
+        to.fillText(text, px, py + 4);
+      }
+      to.textAlign = "start";
+    }
+
+    /** A zone that is being drawn. */
+    drawCorners(to, theme, px) {
+      line(to, this.corners);
+      stroke(to, theme.keepout, 2 * px);
+      for (const [x, y] of this.corners) {
+        to.beginPath();
+        to.arc(x, y, 4 * px, 0, 2 * Math.PI);
+        to.fillStyle = theme.keepout;
+        to.fill();
       }
     }
 
@@ -664,6 +747,7 @@ const ZeronavScene = (() => {
   const GUARD = {
     clamped: "slowed", slowed: "slowed", refused: "stopped", stopped_short: "stopped",
     request_stale: "stopped", scan_stale: "stopped", odometry_stale: "stopped",
+    zone_slowed: "slowed", zone_stopped: "stopped", zones_missing: "stopped",
   };
 
   function placed([x, y, yaw], [px, py]) {

@@ -7,7 +7,7 @@ use zeronav_shell::control;
 use zeronav_shell::folder::Folder;
 
 /// A request of the page: what launch checks goes on as it came.
-type Asked = Request<Value, Value, Value>;
+type Asked = Request<Value, Value, Value, Value>;
 
 /// Whether the page may ask for this.
 const fn is_listed(asked: &Asked) -> bool {
@@ -20,6 +20,9 @@ const fn is_listed(asked: &Asked) -> bool {
         | Request::Speed { .. }
         | Request::Pose { .. }
         | Request::Obstacle { .. }
+        | Request::ZoneAdd { .. }
+        | Request::ZoneRemove { .. }
+        | Request::Zones
         | Request::Fault { .. }
         | Request::Heal { .. }
         | Request::Swap { .. }

@@ -4,6 +4,7 @@
 mod numbers;
 mod placed;
 mod rollouts;
+mod zones;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -20,6 +21,7 @@ use zeronav_msgs::map::{MapCell, MapTile};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::scan::Scan;
+pub use zones::SceneZone;
 
 /// Version of the format.
 pub const FORMAT: u32 = 1;
@@ -97,6 +99,9 @@ pub struct Frame {
     /// Goals.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub goals: Option<Vec<SceneGoal>>,
+    /// Zones, part by part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub zones: Option<Vec<SceneZone>>,
     /// State of the task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<&'static str>,

@@ -7,7 +7,7 @@ use crate::events::Events;
 use crate::feed::Feed;
 use crate::scene::{
     Control, FORMAT, Fixed, Frame, Grid, Robot, Rounded, SceneGoal, ScenePath, SceneRollout,
-    SceneScan, Tile, Tracked, outline, pose, robot,
+    SceneScan, SceneZone, Tile, Tracked, outline, pose, robot,
 };
 use crate::status::Seats;
 use std::collections::BTreeSet;
@@ -21,6 +21,7 @@ use zeronav_msgs::time::seconds;
 use zeronav_msgs::topics::{
     ControlRequest, DebugRollouts, EVENT_NEED_KEYFRAME, GroundTruth, MapObstacles, PlanPath,
     RobotCommand, RobotDescription, RobotScan, SimPlacement, TaskGoal, TaskState as TaskStateTopic,
+    TaskZones,
 };
 use zeronav_shell::doorbell::Bells;
 use zeronav_shell::records::SpanReader;
@@ -67,6 +68,9 @@ struct Ports {
     commands: Stream<RobotCommand>,
     truth: Latest<GroundTruth>,
     placed: Latest<SimPlacement>,
+    zones: Latest<TaskZones>,
+    /// Revision of the newest zones.
+    zones_revision: u64,
     spans: SpanReader,
 }
 
@@ -88,6 +92,8 @@ impl Ports {
             commands: peer.stream()?,
             truth: peer.latest()?,
             placed: peer.latest()?,
+            zones: peer.latest()?,
+            zones_revision: 0,
             spans: peer.span_reader()?,
         })
     }
@@ -129,6 +135,7 @@ struct Changed {
     control: bool,
     truth: bool,
     placed: bool,
+    zones: bool,
     rollouts: bool,
 }
 
@@ -205,6 +212,12 @@ impl Tap {
         changed.control |= ports.requests.poll(roster);
         changed.truth |= ports.truth.poll(roster);
         changed.placed |= ports.placed.poll(roster);
+        if ports.zones.poll(roster)
+            && let Some(zones) = ports.zones.get()
+        {
+            changed.zones |= zones.meta.revision != ports.zones_revision;
+            ports.zones_revision = zones.meta.revision;
+        }
         if let Some(rollouts) = rollouts {
             changed.rollouts |= rollouts.poll(roster);
         }
@@ -350,6 +363,7 @@ impl Tap {
             Some(Control::of(request.meta, &self.seats.command?))
         });
         let obstacles = changed.obstacles.then(|| ports.obstacles.get()).flatten();
+        let zones = changed.zones.then(|| ports.zones.get()).flatten();
         let truth = changed.truth.then(|| ports.truth.get()).flatten();
         let task = ports.task.get();
         Some(Frame {
@@ -367,6 +381,7 @@ impl Tap {
             path: self.path.take(),
             rollouts,
             goals: changed.goals.then(|| self.goals()),
+            zones: zones.map(|all| all.items.iter().map(SceneZone::of).collect()),
             task: task.map(|task| task.meta.state().map_or("unknown", TaskState::label)),
             control: control.flatten(),
             map: None,

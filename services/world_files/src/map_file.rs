@@ -12,6 +12,7 @@
 use crate::map_file_error::MapFileError;
 use crate::map_image;
 use crate::pixels::Pixels;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer};
 use std::path::{Path, PathBuf};
 use zeronav_files::{Folder, Replace, read};
@@ -76,10 +77,10 @@ pub struct LoadedMap {
 }
 
 #[derive(Debug, Deserialize)]
-struct MapYaml {
-    image: PathBuf,
-    resolution: f64,
-    origin: [f64; 3],
+pub(crate) struct MapYaml {
+    pub(crate) image: PathBuf,
+    pub(crate) resolution: f64,
+    pub(crate) origin: [f64; 3],
     #[serde(deserialize_with = "zero_or_one")]
     negate: bool,
     occupied_thresh: f64,
@@ -118,7 +119,7 @@ fn zero_or_one<'de, D: Deserializer<'de>>(deserializer: D) -> Result<bool, D::Er
 /// # Errors
 /// See [`MapFileError`]; each names the file.
 pub fn load(file: &Path) -> Result<LoadedMap, MapFileError> {
-    let yaml = parse(file, &text_of(file)?)?;
+    let yaml: MapYaml = parse(file, &text_of(file)?)?;
     check(file, &yaml)?;
     let image_file = file.parent().unwrap_or(Path::new("")).join(&yaml.image);
     let pixels = map_image::read(&image_file)?;
@@ -222,14 +223,15 @@ fn scalar(name: &str) -> String {
     }
 }
 
-fn text_of(file: &Path) -> Result<String, MapFileError> {
+pub(crate) fn text_of(file: &Path) -> Result<String, MapFileError> {
     read::text(file, YAML_BYTES_MAX).map_err(|source| MapFileError::Read {
         file: file.to_path_buf(),
         source,
     })
 }
 
-fn parse(file: &Path, text: &str) -> Result<MapYaml, MapFileError> {
+/// Reads the keys of `T` from a YAML text; other keys are left.
+pub(crate) fn parse<T: DeserializeOwned>(file: &Path, text: &str) -> Result<T, MapFileError> {
     let options = serde_saphyr::options! { with_snippet: false };
     serde_saphyr::from_str_with_options(text, options).map_err(|error| MapFileError::Yaml {
         file: file.to_path_buf(),
@@ -237,7 +239,8 @@ fn parse(file: &Path, text: &str) -> Result<MapYaml, MapFileError> {
     })
 }
 
-fn check(file: &Path, yaml: &MapYaml) -> Result<(), MapFileError> {
+/// Accepts numbers that a map can have.
+pub(crate) fn check(file: &Path, yaml: &MapYaml) -> Result<(), MapFileError> {
     let wrong = |field: &'static str, why: String| {
         Err(MapFileError::Field {
             file: file.to_path_buf(),
@@ -296,12 +299,38 @@ fn cells_of(yaml: &MapYaml, pixels: &Pixels) -> Vec<Occupancy> {
     cells
 }
 
-fn occupancy_of(yaml: &MapYaml, pixel: u8) -> Occupancy {
+impl MapYaml {
+    pub(crate) fn is_raw(&self) -> bool {
+        self.mode == Mode::Raw
+    }
+}
+
+/// How occupied a pixel is, 0 to 1, before the thresholds sort it; `None` = unknown.
+fn ratio_of(yaml: &MapYaml, pixel: u8) -> Option<f64> {
     let shade = if yaml.negate { pixel } else { u8::MAX - pixel };
-    let ratio = match yaml.mode {
-        Mode::Trinary | Mode::Scale => f64::from(shade) / 255.0,
-        Mode::Raw if pixel > 100 => return Occupancy::Unknown,
-        Mode::Raw => f64::from(pixel) / 100.0,
+    match yaml.mode {
+        Mode::Trinary | Mode::Scale => Some(f64::from(shade) / 255.0),
+        Mode::Raw if pixel > 100 => None,
+        Mode::Raw => Some(f64::from(pixel) / 100.0),
+    }
+}
+
+/// Occupancy of an opaque pixel as a map server publishes it; `None` = unknown. [%]
+pub(crate) fn shade_of(yaml: &MapYaml, pixel: u8) -> Option<f64> {
+    let ratio = ratio_of(yaml, pixel)?;
+    let (least, most) = (yaml.free_thresh, yaml.occupied_thresh);
+    match yaml.mode {
+        Mode::Raw => Some(f64::from(pixel)),
+        _ if ratio <= least => Some(0.0),
+        _ if ratio >= most => Some(100.0),
+        Mode::Scale => Some(((ratio - least) / (most - least) * 100.0).round()),
+        Mode::Trinary => None,
+    }
+}
+
+fn occupancy_of(yaml: &MapYaml, pixel: u8) -> Occupancy {
+    let Some(ratio) = ratio_of(yaml, pixel) else {
+        return Occupancy::Unknown;
     };
     let (least, most) = (yaml.free_thresh, yaml.occupied_thresh);
     if ratio <= least {

@@ -28,7 +28,8 @@ fn scenario() -> String {
         format!("[[goals]]\npose = [{x_m}, 6.425, 0.0]\nyaw_tolerance_rad = 3.15\n")
     });
     "title = \"test\"\nbase = [\"warehouse\", \"porter\"]\nstart = [4.0, 6.425, 0.0]\n\
-     [run]\ntime_limit_s = 1000.0\n[foresight]\nperceive = \"truth\"\n"
+     [run]\ntime_limit_s = 1000.0\n[foresight]\nperceive = \"truth\"\n\
+     [[zones]]\nname = \"far\"\nkind = \"keepout\"\npolygon = [[20.0, 17.0], [21.0, 17.0], [20.0, 18.0]]\n"
         .to_owned()
         + &goals.collect::<String>()
 }

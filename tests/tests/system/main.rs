@@ -74,3 +74,4 @@ mod up;
 mod verdicts;
 mod viewer;
 mod why;
+mod zones;

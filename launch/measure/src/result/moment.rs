@@ -59,6 +59,19 @@ pub struct Moment {
     pub path: Option<Path>,
     /// What became of the task.
     pub task: Option<Task>,
+    /// The zone because of which the robot is slow, stands, or has no path.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zone: Option<Zone>,
+}
+
+/// A zone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Zone {
+    /// Its name.
+    pub name: String,
+    /// Fastest speed in it; null for a keepout zone. [m/s]
+    pub limit_mps: Option<f64>,
 }
 
 /// What the local planner said.

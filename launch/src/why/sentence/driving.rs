@@ -34,6 +34,9 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
         RequestCause::Goal => {
             format!("The local planner slows down for the end of the path, to {limit}.")
         }
+        RequestCause::SpeedZone => {
+            format!("The local planner slows down for the speed limit of a zone, to {limit}.")
+        }
         RequestCause::Corner => {
             format!("The local planner slows down for a corner of the path, to {limit}.")
         }

@@ -145,6 +145,7 @@ fn origin(blocked: Option<Blocked>) -> &'static str {
         Some(ObstacleSource::Lidar) => " that the lidar saw and the static map does not have",
         Some(ObstacleSource::Tracked) => " that is tracked",
         Some(ObstacleSource::Unknown) => " of cells of which nothing is known",
+        Some(ObstacleSource::Keepout) => " that is a keepout zone",
         Some(ObstacleSource::None) | None => "",
     }
 }

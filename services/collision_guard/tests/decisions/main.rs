@@ -8,3 +8,4 @@ mod measured;
 mod near;
 mod thresholds;
 mod time;
+mod zones;

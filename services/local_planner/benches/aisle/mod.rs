@@ -83,6 +83,7 @@ impl Aisle {
             past_hits_in_base: &[],
             goal: &self.goal,
             speed_factor: 1.0,
+            zone_mps: f64::INFINITY,
             period_s: 0.02,
             ahead_s: 0.0,
         }

@@ -306,6 +306,7 @@ mod tests {
                 past_hits_in_base: &[],
                 goal: &goal,
                 speed_factor: 1.0,
+                zone_mps: f64::INFINITY,
                 period_s: 0.02,
                 ahead_s: 0.0,
             };

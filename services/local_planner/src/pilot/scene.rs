@@ -173,14 +173,21 @@ impl<'a> Scene<'a> {
         })
     }
 
-    /// [m/s] fastest speed that the age of the inputs allows.
+    /// [m/s] fastest speed that the age of the inputs and zones allow.
     pub(crate) fn top_speed_mps(&self) -> f64 {
+        self.aged_mps().min(self.situation.zone_mps)
+    }
+
+    /// [m/s] the same without zones.
+    fn aged_mps(&self) -> f64 {
         self.situation.robot.v_mps_max * self.situation.speed_factor.clamp(0.0, 1.0)
     }
 
     /// What the fastest speed depends on, and that. [m/s]
     pub(crate) fn top(&self) -> (RequestCause, f64) {
-        let cause = if self.situation.speed_factor < 1.0 {
+        let cause = if self.situation.zone_mps < self.aged_mps() {
+            RequestCause::SpeedZone
+        } else if self.situation.speed_factor < 1.0 {
             RequestCause::Ageing
         } else {
             RequestCause::Free

@@ -114,6 +114,7 @@ impl Bench {
             future: Future::default(),
             scan_points_in_base: &hits,
             in_flight: &self.in_flight,
+            zones: None,
             ages: self.ages,
             stopping: false,
         });

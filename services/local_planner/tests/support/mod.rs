@@ -262,6 +262,7 @@ impl Loop {
             past_hits_in_base: &[],
             goal: &self.goal,
             speed_factor: 1.0,
+            zone_mps: f64::INFINITY,
             period_s: PERIOD_S,
             ahead_s: 0.0,
         }

@@ -87,6 +87,7 @@ impl Drive for Whole {
             }),
             scan_points_in_base: situation.scan_points_in_base,
             in_flight: &self.in_flight,
+            zones: None,
             ages: Ages {
                 scan_ns: young,
                 odometry_ns: young,

@@ -1,0 +1,304 @@
+//! Zones as the guard holds a motion to them: the speed limit where the robot is, and no way into a
+//! keepout zone.
+//!
+//! The pose comes from the map of mapping; while that does not know where the robot is, odometry goes on
+//! from the last pose that was known, and a speed limit that held then is not lifted. Before any pose was
+//! known the lowest limit of all zones holds; of keepout zones nothing can be said then.
+//!
+//! A robot whose outline is in a keepout zone is let out: its centre may go where the way out is no
+//! longer, and turn.
+
+use crate::limits::Limits;
+use core::f64::consts::TAU;
+use nalgebra::Point2;
+use zeronav_motion::Twist;
+use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::{Pose, ZoneSet};
+
+/// Largest distance of two points of the outline that are looked at, and of two poses on the way. [m]
+const SPACING_M: f64 = 0.05;
+
+/// Largest turn between two poses on the way. [rad]
+const SPACING_RAD: f64 = 0.1;
+
+/// Most poses on the way.
+const POSES_MAX: u32 = 48;
+
+/// Most points of the outline.
+const POINTS_MAX: usize = 256;
+
+/// By how much the way out may get longer, in all, while the robot is inside: the noise of its pose. [m]
+const NOISE_M: f64 = 0.02;
+
+/// Halvings in the search for a speed from which the robot stops outside.
+const HALVINGS: u32 = 5;
+
+/// [s] of braking by which a command may be slower than the robot, so that it brakes down to a limit.
+const LEAD_S: f64 = 0.06;
+
+/// What zones make of a motion that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Held {
+    /// It may go on as it is.
+    Free(Twist),
+    /// Slowed down to the limit of a zone.
+    Slowed(Twist),
+    /// Slowed down before a keepout zone.
+    Short(Twist),
+    /// No speed on that arc keeps the robot out of a keepout zone, or leads out of one.
+    Stop,
+}
+
+/// The zones and where the robot is among them.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ZoneRules {
+    set: ZoneSet,
+    /// `map_from_odom` when mapping knew the pose last.
+    known: Option<Pose>,
+    /// It knows it now.
+    is_known: bool,
+    /// Limit that held when it was known last. [m/s]
+    limit_mps: Option<f64>,
+    /// Points of the outline in `base`. [m]
+    outline: Vec<Point2<f64>>,
+    /// While the outline is in a keepout zone: the shortest way out that the centre has had, below 0. [m]
+    least_m: Option<f64>,
+}
+
+impl ZoneRules {
+    /// Takes in zones in place of those before.
+    pub(crate) fn set(&mut self, set: &ZoneSet) {
+        self.set = set.clone();
+        // What is around the robot is another zone now.
+        self.least_m = None;
+    }
+
+    /// Takes in how the map lies to odometry, and whether the robot knows where it is on it.
+    pub(crate) fn locate(&mut self, map_from_odom: Pose, is_known: bool) {
+        self.is_known = is_known;
+        if is_known {
+            self.known = Some(map_from_odom);
+        }
+    }
+
+    /// Takes in another robot.
+    pub(crate) fn describe(&mut self, description: &Description, corners: &[Corner]) {
+        self.outline.clear();
+        if corners.is_empty() {
+            let radius_m = description.circumscribed_radius_m;
+            let n = count((TAU * radius_m / SPACING_M).ceil().clamp(8.0, 128.0));
+            self.outline.extend((0..n).map(|at| {
+                let (sin, cos) = (TAU * f64::from(at) / f64::from(n)).sin_cos();
+                Point2::new(radius_m * cos, radius_m * sin)
+            }));
+            return;
+        }
+        let next = corners.iter().cycle().skip(1);
+        for (from, to) in corners.iter().zip(next) {
+            let (from, to) = (Point2::new(from.x_m, from.y_m), Point2::new(to.x_m, to.y_m));
+            let n = count(((to - from).norm() / SPACING_M).ceil().clamp(1.0, 64.0));
+            let points = (0..n).map(|at| from + (to - from) * (f64::from(at) / f64::from(n)));
+            self.outline.extend(points);
+        }
+        self.outline.truncate(POINTS_MAX);
+    }
+
+    /// What becomes of a motion that is asked for, when braking begins after `reaction_s` at the latest.
+    pub(crate) fn hold(
+        &mut self,
+        asked: Twist,
+        odometry: &Odometry,
+        (description, limits): (&Description, &Limits),
+        reaction_s: f64,
+    ) -> Held {
+        if self.set.is_empty() {
+            return Held::Free(asked);
+        }
+        let measured = Twist::measured(odometry);
+        let Some(known) = self.known else {
+            let limit = self.set.limit_anywhere(description.v_mps_max);
+            return slowed(asked, measured, limits, limit.map(|limit| limit.limit_mps));
+        };
+        let pose = known.then(&odometry.pose);
+        let held = slowed(
+            asked,
+            measured,
+            limits,
+            self.limit(&pose, measured, description, reaction_s),
+        );
+        let (Held::Free(twist) | Held::Slowed(twist)) = held else {
+            return held;
+        };
+        let way = Way {
+            zones: &self.set,
+            outline: &self.outline,
+            pose,
+            measured,
+            limits,
+            reaction_s,
+        };
+        let reach_m = description.circumscribed_radius_m + way.reach_m(twist);
+        if self.set.is_far(pose.point(), reach_m) {
+            self.least_m = None;
+            return held;
+        }
+        let least_m = way
+            .is_inside(&pose)
+            .then(|| self.set.keepout_margin_m(pose.point()));
+        // It may not creep in: what counts is the shortest way out so far.
+        self.least_m = least_m.map(|now_m| now_m.max(self.least_m.unwrap_or(now_m)));
+        let floor_m = least_m
+            .zip(self.least_m)
+            .map(|(now_m, best_m)| now_m.min(best_m - NOISE_M));
+        if way.is_free(twist, floor_m) {
+            return held;
+        }
+        let (mut best, mut low, mut high) = (None, 0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let share = 0.5 * (low + high);
+            if way.is_free(twist.scaled(share), floor_m) {
+                best = Some(twist.scaled(share));
+                low = share;
+            } else {
+                high = share;
+            }
+        }
+        best.map_or(Held::Stop, Held::Short)
+    }
+
+    /// The speed limit that holds here, or where the robot is by the time that braking begins. [m/s]
+    fn limit(
+        &mut self,
+        pose: &Pose,
+        measured: Twist,
+        description: &Description,
+        reaction_s: f64,
+    ) -> Option<f64> {
+        let soon = pose.transform(Point2::new(measured.v_mps * reaction_s, 0.0));
+        let at = |at| {
+            self.set
+                .limit_at(at, description.v_mps_max)
+                .map(|zone| zone.limit_mps)
+        };
+        let here = least(at(pose.point()), at(soon));
+        if self.is_known {
+            self.limit_mps = here;
+            return here;
+        }
+        least(here, self.limit_mps)
+    }
+}
+
+fn least(one: Option<f64>, other: Option<f64>) -> Option<f64> {
+    match (one, other) {
+        (Some(one), Some(other)) => Some(one.min(other)),
+        (one, other) => one.or(other),
+    }
+}
+
+/// A motion no faster than a limit, on its arc; a robot that is faster brakes down to it.
+fn slowed(asked: Twist, measured: Twist, limits: &Limits, limit_mps: Option<f64>) -> Held {
+    let Some(limit_mps) = limit_mps else {
+        return Held::Free(asked);
+    };
+    let soon_mps = measured.v_mps.abs() - limits.brake_mps2 * LEAD_S;
+    let most_mps = limit_mps.max(soon_mps);
+    if asked.v_mps.abs() <= most_mps {
+        return Held::Free(asked);
+    }
+    Held::Slowed(asked.scaled(most_mps / asked.v_mps.abs()))
+}
+
+/// The way of a robot that obeys a motion for the reaction time and then brakes.
+struct Way<'a> {
+    zones: &'a ZoneSet,
+    outline: &'a [Point2<f64>],
+    pose: Pose,
+    measured: Twist,
+    limits: &'a Limits,
+    reaction_s: f64,
+}
+
+impl Way<'_> {
+    /// Seconds for which the faster of two speeds would have to hold to lead as far as the stop does.
+    fn lasts_s(&self, asked: f64, measured: f64, brake: f64) -> f64 {
+        let fastest = asked.abs().max(measured.abs());
+        if brake > 0.0 {
+            self.reaction_s + fastest / (2.0 * brake)
+        } else {
+            self.reaction_s
+        }
+    }
+
+    /// How far it leads at most. [m]
+    fn reach_m(&self, twist: Twist) -> f64 {
+        let fastest = twist.v_mps.abs().max(self.measured.v_mps.abs());
+        fastest * self.lasts_s(twist.v_mps, self.measured.v_mps, self.limits.brake_mps2) + SPACING_M
+    }
+
+    /// True when the outline touches a keepout zone at a pose.
+    fn is_inside(&self, pose: &Pose) -> bool {
+        let inside = |at: Point2<f64>| self.zones.keepout_at(at).is_some();
+        let mut points = self.outline.iter();
+        inside(pose.point()) || points.any(|point| inside(pose.transform(*point)))
+    }
+
+    /// True when no pose on the way is in a keepout zone; for a robot that is in one, when no pose on the
+    /// way has a margin below `floor_m`.
+    fn is_free(&self, twist: Twist, floor_m: Option<f64>) -> bool {
+        let Limits {
+            brake_mps2,
+            alpha_radps2_max,
+            ..
+        } = *self.limits;
+        let v_mps = faster(twist.v_mps, self.measured.v_mps);
+        let w_radps = faster(twist.w_radps, self.measured.w_radps);
+        let along_m = v_mps * self.lasts_s(twist.v_mps, self.measured.v_mps, brake_mps2);
+        let about_rad =
+            w_radps * self.lasts_s(twist.w_radps, self.measured.w_radps, alpha_radps2_max);
+        let steps = (along_m.abs() / SPACING_M)
+            .max(about_rad.abs() / SPACING_RAD)
+            .ceil();
+        let n = count(steps.clamp(1.0, f64::from(POSES_MAX)));
+        (1..=n).all(|step| {
+            let share = f64::from(step) / f64::from(n);
+            let pose = self.pose.then(&on_arc(along_m * share, about_rad * share));
+            match floor_m {
+                // Turning is no way farther in.
+                Some(floor_m) => {
+                    self.zones.keepout_margin_m(pose.point()) >= floor_m || !self.is_inside(&pose)
+                }
+                None => !self.is_inside(&pose),
+            }
+        })
+    }
+}
+
+/// Of two speeds in the same direction the faster one; else the first, which the robot turns to.
+fn faster(asked: f64, measured: f64) -> f64 {
+    if asked * measured > 0.0 && measured.abs() > asked.abs() {
+        measured
+    } else {
+        asked
+    }
+}
+
+/// Pose after an arc of that length and turn.
+fn on_arc(along_m: f64, about_rad: f64) -> Pose {
+    if about_rad.abs() < 1.0e-6 {
+        return Pose::new(along_m, 0.0, about_rad);
+    }
+    let radius_m = along_m / about_rad;
+    let (sin, cos) = about_rad.sin_cos();
+    Pose::new(radius_m * sin, radius_m * (1.0 - cos), about_rad)
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to small positive numbers"
+)]
+fn count(n: f64) -> u32 {
+    n as u32
+}
