@@ -35,9 +35,9 @@ fn a_closed_aisle_is_driven_around_and_a_slow_one_slowly() {
     let track = track(&result);
     assert!(!track.iter().any(|at| is_in(*at, [10.25, 5.0, 13.25, 8.0])));
     assert!(track.iter().any(|at| is_in(*at, [7.0, 12.5, 22.9, 14.6])));
-    // 15.9 m at half a metre a second.
+    // 15.9 m at half a metre a second; at full speed it would be 30 s.
     assert!(
-        result["time_s"].as_f64() > Some(55.0),
+        result["time_s"].as_f64() > Some(45.0),
         "{}",
         result["time_s"]
     );
@@ -103,7 +103,7 @@ fn zones_survive_the_death_of_every_service() {
             .iter()
             .any(|at| is_in(*at, [10.25, 5.0, 13.25, 8.0]))
     );
-    assert!(result["time_s"].as_f64() > Some(55.0));
+    assert!(result["time_s"].as_f64() > Some(45.0));
 }
 
 const HALL: &str = r#"
