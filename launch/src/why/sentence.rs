@@ -285,3 +285,5 @@ fn service(role: &str) -> String {
 mod task_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod zone_tests;

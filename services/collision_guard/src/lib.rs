@@ -9,7 +9,8 @@
 //!
 //! This is not a certified safety function. The README says what it does not see.
 //!
-//! The library is pure: no clock, no I/O, no threads, no allocation after the first scan. Ages and
+//! The library is pure: no clock, no I/O, no threads, no allocation after the first scan but when zones
+//! change or the robot is near a keepout zone. Ages and
 //! periods are passed in, so a recorded run gives the same commands again.
 
 mod blindness;

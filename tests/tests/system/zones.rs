@@ -239,3 +239,45 @@ fn a_zone_message_that_is_lost_opens_nothing() {
     says(&refused, &["keepout zone `wet floor`"]);
     up.down();
 }
+
+/// A mask of a costmap filter, turned by a quarter about its origin.
+#[test]
+fn a_mask_is_laid_where_its_origin_says() {
+    let folder = TempDir::new().expect("a folder");
+    let yaml = "image: mask.pgm\nresolution: 0.5\norigin: [10.0, 1.0, 1.5707963267948966]\nnegate: 0\n\
+                occupied_thresh: 0.65\nfree_thresh: 0.196\nmode: raw\ntype: 2\nmultiplier: 0.01\n";
+    std::fs::write(folder.path().join("mask.yaml"), yaml).expect("written");
+    // Twelve columns along map +y, four rows along map -x: 0.2 m/s in the upper two.
+    let rows = [
+        "20 ".repeat(12),
+        "20 ".repeat(12),
+        "0 ".repeat(12),
+        "0 ".repeat(12),
+    ];
+    let image = format!("P2\n12 4\n255\n{}\n", rows.join("\n"));
+    std::fs::write(folder.path().join("mask.pgm"), image).expect("written");
+    let text = format!(
+        "{HALL}[[goals]]\npose = [12.5, 4.0, 0.0]\n[[zones]]\nname = \"floor\"\nmask = \"mask.yaml\"\n"
+    );
+    std::fs::write(folder.path().join("it.toml"), text).expect("written");
+    let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+    let result = Zeronav::start_in(folder, &arguments).finish().expect(0);
+    let reasons = result["reasons"].as_array().expect("moments");
+    let first = reasons
+        .iter()
+        .find(|it| it["zone"]["name"] == "floor")
+        .expect("it is named");
+    assert_eq!(first["zone"]["limit_mps"], 0.2);
+    // From x = 8 to 9.
+    let track = track(&result);
+    let steps = track.windows(2).map(|pair| {
+        let length_m = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
+        (pair[1][0], length_m)
+    });
+    let longest = |from: f64, until: f64| {
+        let inside = steps.clone().filter(|(x, _)| (from..until).contains(x));
+        inside.map(|(_, length_m)| length_m).fold(0.0, f64::max)
+    };
+    let (inside, outside) = (longest(8.2, 8.9), longest(9.8, 11.5));
+    assert!(inside > 0.0 && inside < 0.4 * outside, "{inside} {outside}");
+}

@@ -53,6 +53,7 @@ fn driving() -> Moment {
         command: Some(command(0.8, Intervention::None)),
         path: Some(path(PathStatus::Found)),
         task: None,
+        zone: None,
     }
 }
 

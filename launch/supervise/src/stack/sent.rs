@@ -63,8 +63,9 @@ impl Stack {
         if sent.is_none() {
             return Ok(false);
         }
-        self.ring_for(row);
+        // The same again is for those who have lost it, and wakes nobody.
         if self.roster.control.zones != zones.revision {
+            self.ring_for(row);
             self.roster.control.zones = zones.revision;
             self.publish_control();
         }
