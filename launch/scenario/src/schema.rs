@@ -1,8 +1,6 @@
 //! The JSON schema of a scenario's document, for editors. Ranges of parameters come from where they are
 //! declared; what only the whole scenario can tell (a start inside a wall) is left to
-//! [`Scenario::validate`](super::Scenario::validate).
-//!
-//! A document may build on others, so that nothing is required at its top.
+//! [`Scenario::validate`](super::Scenario::validate). A document may build on others: nothing is required at its top.
 
 #[cfg(test)]
 mod tests;

@@ -18,6 +18,7 @@ mod swapping;
 mod swaps;
 mod verbs;
 mod waiting;
+mod zone_store;
 mod zones;
 
 use crate::collect::Collector;

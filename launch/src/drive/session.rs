@@ -6,7 +6,7 @@ use super::last_pose::LastPose;
 use super::pace::Speed;
 use super::standstill::{Standing, Standstill};
 use super::swaps::Swaps;
-use super::zones::ZoneStore;
+use super::zone_store::ZoneStore;
 use crate::collect::Collector;
 use crate::companions::Companions;
 use crate::control::socket::Server;

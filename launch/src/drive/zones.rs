@@ -1,33 +1,15 @@
 //! The zones of a run: launch keeps them, so that they survive every service.
 
 use super::session::Session;
+use super::zone_store::ZoneStore;
 use std::time::{Duration, Instant};
 use zeronav_msgs::ZoneSet;
-use zeronav_msgs::zones::{ZonePart, Zones};
 use zeronav_scenario::zones::{ReadZone, ZoneSpec, message};
 use zeronav_supervise::stack::Stack;
 use zeronav_world::error::SpecError;
 
 /// Between two messages of the same zones in real time, for readers that have lost one.
 const RESEND: Duration = Duration::from_secs(1);
-
-/// The zones that hold, as they are sent.
-#[derive(Debug, Default)]
-pub(crate) struct ZoneStore {
-    zones: Vec<ReadZone>,
-    message: Zones,
-    parts: Vec<ZonePart>,
-    /// What they ask of a place.
-    pub(crate) set: ZoneSet,
-    sent: Option<Instant>,
-}
-
-impl ZoneStore {
-    /// As they were said.
-    pub(crate) fn specs(&self) -> Vec<ZoneSpec> {
-        self.zones.iter().map(|zone| zone.spec.clone()).collect()
-    }
-}
 
 /// A complaint of the list in words.
 fn in_words(error: &SpecError) -> String {

@@ -268,16 +268,7 @@ fn a_mask_is_laid_where_its_origin_says() {
         .find(|it| it["zone"]["name"] == "floor")
         .expect("it is named");
     assert_eq!(first["zone"]["limit_mps"], 0.2);
-    // From x = 8 to 9.
-    let track = track(&result);
-    let steps = track.windows(2).map(|pair| {
-        let length_m = (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]);
-        (pair[1][0], length_m)
-    });
-    let longest = |from: f64, until: f64| {
-        let inside = steps.clone().filter(|(x, _)| (from..until).contains(x));
-        inside.map(|(_, length_m)| length_m).fold(0.0, f64::max)
-    };
-    let (inside, outside) = (longest(8.2, 8.9), longest(9.8, 11.5));
-    assert!(inside > 0.0 && inside < 0.4 * outside, "{inside} {outside}");
+    // A metre, from x = 8 to 9, takes 5 s; all of the way would take 13 s.
+    let time_s = result["time_s"].as_f64().expect("a time");
+    assert!((15.5..20.0).contains(&time_s), "{time_s}");
 }
