@@ -12,7 +12,6 @@ use zeronav_measure::shadow_answers::ShadowAnswers;
 use zeronav_measure::{Records, RunHash};
 use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::ZoneSet;
-use zeronav_msgs::command::RequestCause;
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView, ObstacleSource};
@@ -62,8 +61,6 @@ pub(crate) struct Collector {
     pub reasons: Reasons,
     /// The zones that hold, to say which one slows or stops the robot.
     pub zones: ZoneSet,
-    /// What decided the newest request.
-    asked: Option<RequestCause>,
     /// The cell of a keepout zone that leaves no path. [m]
     closed_m: Option<[f64; 2]>,
     /// The robot's fastest speed. [m/s]

@@ -96,6 +96,9 @@ enum class Intervention : std::uint16_t {
     odometry_stale = 5,
     slowed = 6,
     stopped_short = 7,
+    zone_slowed = 8,
+    zone_stopped = 9,
+    zones_missing = 10,
 };
 
 enum class ObstacleSource : std::uint16_t {
@@ -104,6 +107,7 @@ enum class ObstacleSource : std::uint16_t {
     lidar = 2,
     tracked = 3,
     unknown = 4,
+    keepout = 5,
 };
 
 enum class PathBlock : std::uint16_t {
@@ -189,6 +193,7 @@ enum class RequestCause : std::uint16_t {
     yield = 26,
     manoeuvre = 27,
     no_fit = 28,
+    speed_zone = 29,
 };
 
 enum class RequestReason : std::uint16_t {
@@ -268,6 +273,15 @@ enum class Validity : std::uint16_t {
     stopped = 6,
 };
 
+enum class ZoneKind : std::uint16_t {
+    none = 0,
+    keepout = 1,
+    speed_limit = 2,
+    speed_percent = 3,
+    cost = 4,
+    lane = 5,
+};
+
 inline constexpr int SHADOW_EPOCH_MIN = 8388608;
 inline constexpr int COORDINATE_M_MAX = 1000000;
 inline constexpr int SPEED_MAX = 1000;
@@ -294,6 +308,7 @@ inline constexpr int FLAG_SENSED = 2;
 inline constexpr int FLAG_VIRTUAL = 4;
 inline constexpr int FLAG_REGULARISED = 8;
 inline constexpr int FLAG_UNKNOWN = 16;
+inline constexpr int FLAG_KEEPOUT = 32;
 inline constexpr int FORM_BYTES_MAX = 200;
 inline constexpr int USER_BORROWED = 2;
 inline constexpr int USER_BUFFER = 32;
@@ -301,6 +316,13 @@ inline constexpr int USER_BYTES_MAX = 65536;
 inline constexpr int USER_NAME_BYTES_MAX = 40;
 inline constexpr int USER_POOL = 58;
 inline constexpr int ACTUATION_DELAY_NS_MAX = 2000000000;
+inline constexpr int ZONES_MAX = 128;
+inline constexpr int ZONE_CORNERS_MAX = 16;
+inline constexpr int ZONE_COST_MAX = 252;
+inline constexpr int ZONE_NAME_BYTES = 32;
+inline constexpr int ZONE_PARTS_MAX = 512;
+inline constexpr int ZONE_PERCENT_MIN = 1;
+inline constexpr int ZONE_SPEED_MPS_MIN = 0.01;
 inline constexpr int OBSTACLE_RADIUS_M_MAX = 10;
 inline constexpr int ROLLOUT_COST_MAX = 1000000000;
 inline constexpr int ROLLOUT_POINTS_MAX = 12;
@@ -1750,6 +1772,108 @@ static_assert(TaskPoseEnvelope::SCHEMA == [] {
     return hash;
 }());
 
+/// Fixed fields of the zones. The slice holds their parts, those of a zone one after the other.
+struct Zones {
+    static constexpr const char* NAME = "zeronav.Zones.v1";
+    static constexpr std::uint64_t SCHEMA = 0x70041535f3509961;
+    /// [number] Grows with every change, from 1.
+    std::uint64_t revision{};
+    /// [tick] First tick at which they hold; 0 = at once.
+    std::uint64_t from_tick{};
+    /// [count] Parts in the slice.
+    std::uint64_t n_parts{};
+};
+static_assert(sizeof(Zones) == 24);
+static_assert(std::is_trivially_copyable_v<Zones> && std::is_standard_layout_v<Zones>);
+static_assert(offsetof(Zones, revision) == 0);
+static_assert(offsetof(Zones, from_tick) == 8);
+static_assert(offsetof(Zones, n_parts) == 16);
+static_assert(Zones::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, Zones::NAME);
+    hash = fnv1a(hash, "revision");
+    hash = fnv1a_number(hash, Schema<decltype(Zones::revision)>::value);
+    hash = fnv1a_number(hash, offsetof(Zones, revision));
+    hash = fnv1a(hash, "from_tick");
+    hash = fnv1a_number(hash, Schema<decltype(Zones::from_tick)>::value);
+    hash = fnv1a_number(hash, offsetof(Zones, from_tick));
+    hash = fnv1a(hash, "n_parts");
+    hash = fnv1a_number(hash, Schema<decltype(Zones::n_parts)>::value);
+    hash = fnv1a_number(hash, offsetof(Zones, n_parts));
+    return hash;
+}());
+
+/// Header and fixed fields of the topic's messages.
+struct TaskZonesEnvelope {
+    static constexpr const char* NAME = "zeronav.task.zones.v1";
+    static constexpr std::uint64_t SCHEMA = 0x7726ed377bc84d3a;
+    /// The header.
+    Header header{};
+    /// The fixed fields.
+    Zones meta{};
+};
+static_assert(sizeof(TaskZonesEnvelope) == 152);
+static_assert(std::is_trivially_copyable_v<TaskZonesEnvelope> && std::is_standard_layout_v<TaskZonesEnvelope>);
+static_assert(offsetof(TaskZonesEnvelope, header) == 0);
+static_assert(offsetof(TaskZonesEnvelope, meta) == 128);
+static_assert(TaskZonesEnvelope::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, TaskZonesEnvelope::NAME);
+    hash = fnv1a(hash, "header");
+    hash = fnv1a_number(hash, Schema<decltype(TaskZonesEnvelope::header)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskZonesEnvelope, header));
+    hash = fnv1a(hash, "meta");
+    hash = fnv1a_number(hash, Schema<decltype(TaskZonesEnvelope::meta)>::value);
+    hash = fnv1a_number(hash, offsetof(TaskZonesEnvelope, meta));
+    return hash;
+}());
+
+/// A polygon of a zone. Its edges may not cross; inside is what an odd number of edges encloses.
+struct ZonePart {
+    static constexpr const char* NAME = "zeronav.ZonePart.v1";
+    static constexpr std::uint64_t SCHEMA = 0x3e34c3fe1a2a1211;
+    /// [text] Name of the zone, padded with 0.
+    std::uint8_t name[32]{};
+    /// [m] x and y of the corners, `map` frame; those beyond `n_corners` are 0.
+    double corners_m[16][2]{};
+    /// [number] By kind: m/s, percent, or a cost of 1 to 252; 0 for a keepout zone.
+    double value{};
+    /// Code of `ZoneKind`.
+    std::uint16_t kind{};
+    /// [count] Corners, at least 3.
+    std::uint16_t n_corners{};
+    /// Written as 0.
+    std::uint32_t spare{};
+};
+static_assert(sizeof(ZonePart) == 304);
+static_assert(std::is_trivially_copyable_v<ZonePart> && std::is_standard_layout_v<ZonePart>);
+static_assert(offsetof(ZonePart, name) == 0);
+static_assert(offsetof(ZonePart, corners_m) == 32);
+static_assert(offsetof(ZonePart, value) == 288);
+static_assert(offsetof(ZonePart, kind) == 296);
+static_assert(offsetof(ZonePart, n_corners) == 298);
+static_assert(offsetof(ZonePart, spare) == 300);
+static_assert(ZonePart::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, ZonePart::NAME);
+    hash = fnv1a(hash, "name");
+    hash = fnv1a_number(hash, Schema<decltype(ZonePart::name)>::value);
+    hash = fnv1a_number(hash, offsetof(ZonePart, name));
+    hash = fnv1a(hash, "corners_m");
+    hash = fnv1a_number(hash, Schema<decltype(ZonePart::corners_m)>::value);
+    hash = fnv1a_number(hash, offsetof(ZonePart, corners_m));
+    hash = fnv1a(hash, "value");
+    hash = fnv1a_number(hash, Schema<decltype(ZonePart::value)>::value);
+    hash = fnv1a_number(hash, offsetof(ZonePart, value));
+    hash = fnv1a(hash, "kind");
+    hash = fnv1a_number(hash, Schema<decltype(ZonePart::kind)>::value);
+    hash = fnv1a_number(hash, offsetof(ZonePart, kind));
+    hash = fnv1a(hash, "n_corners");
+    hash = fnv1a_number(hash, Schema<decltype(ZonePart::n_corners)>::value);
+    hash = fnv1a_number(hash, offsetof(ZonePart, n_corners));
+    hash = fnv1a(hash, "spare");
+    hash = fnv1a_number(hash, Schema<decltype(ZonePart::spare)>::value);
+    hash = fnv1a_number(hash, offsetof(ZonePart, spare));
+    return hash;
+}());
+
 /// Fixed fields of a velocity request; the slice is empty. What explains it may be left 0.
 struct VelocityRequest {
     static constexpr const char* NAME = "zeronav.VelocityRequest.v2";
@@ -2065,8 +2189,8 @@ static_assert(TopicFault::SCHEMA == [] {
 
 /// Fixed fields of the control message. The slice holds the roster.
 struct RunControl {
-    static constexpr const char* NAME = "zeronav.RunControl.v2";
-    static constexpr std::uint64_t SCHEMA = 0x6145e57db90c9481;
+    static constexpr const char* NAME = "zeronav.RunControl.v3";
+    static constexpr std::uint64_t SCHEMA = 0xfd6f5df11a6a068e;
     /// [tick] Highest tick that the robot may start, lockstep only.
     std::uint64_t lease{};
     /// [flag] 1 = the robot shall stand and run time stops.
@@ -2075,16 +2199,19 @@ struct RunControl {
     std::uint16_t stopping{};
     /// [count] Seats in the slice.
     std::uint32_t n_seats{};
+    /// [number] Revision of `task/zones` that holds; 0 = there were never any.
+    std::uint64_t zones{};
     /// Topics that are disturbed on purpose; all zero in earnest.
     TopicFault topic_faults[4]{};
 };
-static_assert(sizeof(RunControl) == 80);
+static_assert(sizeof(RunControl) == 88);
 static_assert(std::is_trivially_copyable_v<RunControl> && std::is_standard_layout_v<RunControl>);
 static_assert(offsetof(RunControl, lease) == 0);
 static_assert(offsetof(RunControl, paused) == 8);
 static_assert(offsetof(RunControl, stopping) == 10);
 static_assert(offsetof(RunControl, n_seats) == 12);
-static_assert(offsetof(RunControl, topic_faults) == 16);
+static_assert(offsetof(RunControl, zones) == 16);
+static_assert(offsetof(RunControl, topic_faults) == 24);
 static_assert(RunControl::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, RunControl::NAME);
     hash = fnv1a(hash, "lease");
@@ -2099,6 +2226,9 @@ static_assert(RunControl::SCHEMA == [] {
     hash = fnv1a(hash, "n_seats");
     hash = fnv1a_number(hash, Schema<decltype(RunControl::n_seats)>::value);
     hash = fnv1a_number(hash, offsetof(RunControl, n_seats));
+    hash = fnv1a(hash, "zones");
+    hash = fnv1a_number(hash, Schema<decltype(RunControl::zones)>::value);
+    hash = fnv1a_number(hash, offsetof(RunControl, zones));
     hash = fnv1a(hash, "topic_faults");
     hash = fnv1a_number(hash, Schema<decltype(RunControl::topic_faults)>::value);
     hash = fnv1a_number(hash, offsetof(RunControl, topic_faults));
@@ -2108,13 +2238,13 @@ static_assert(RunControl::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct RunControlEnvelope {
     static constexpr const char* NAME = "zeronav.run.control.v1";
-    static constexpr std::uint64_t SCHEMA = 0x3d37fd9a35e2c48b;
+    static constexpr std::uint64_t SCHEMA = 0xc8de769278752ee7;
     /// The header.
     Header header{};
     /// The fixed fields.
     RunControl meta{};
 };
-static_assert(sizeof(RunControlEnvelope) == 208);
+static_assert(sizeof(RunControlEnvelope) == 216);
 static_assert(std::is_trivially_copyable_v<RunControlEnvelope> && std::is_standard_layout_v<RunControlEnvelope>);
 static_assert(offsetof(RunControlEnvelope, header) == 0);
 static_assert(offsetof(RunControlEnvelope, meta) == 128);
@@ -3092,6 +3222,21 @@ struct task_pose {
     static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
 };
 
+struct task_zones {
+    using Envelope = TaskZonesEnvelope;
+    using Item = ZonePart;
+    static constexpr const char* NAME = "task/zones";
+    static constexpr std::uint64_t SCHEMA = 0x69d4f97669679555;
+    static constexpr std::size_t NUMBER = 27;
+    static constexpr std::size_t LEN_MAX = 512;
+    static constexpr std::size_t BUFFER = 2;
+    static constexpr std::size_t POOL = 59;
+    static constexpr std::array<Role, 1> WRITERS{Role::launch};
+    static constexpr std::array<Role, 3> RINGS{Role::mapping, Role::local_planner,
+        Role::collision_guard};
+    static constexpr std::array<Role, 0> RINGS_IN_LOCKSTEP{};
+};
+
 struct control_velocity_request {
     using Envelope = ControlVelocityRequestEnvelope;
     using Item = std::uint8_t;
@@ -3139,7 +3284,7 @@ struct run_control {
     using Envelope = RunControlEnvelope;
     using Item = Seat;
     static constexpr const char* NAME = "run/control";
-    static constexpr std::uint64_t SCHEMA = 0xaabe4789147f5ef3;
+    static constexpr std::uint64_t SCHEMA = 0x0832878dcde34582;
     static constexpr std::size_t NUMBER = 13;
     static constexpr std::size_t LEN_MAX = 16;
     static constexpr std::size_t BUFFER = 2;
@@ -3293,7 +3438,7 @@ struct run_spans {
 
 /// All of them.
 using All = std::tuple<robot_description, robot_scan, robot_odometry, map_update, map_keyframe,
-    map_obstacles, plan_path, plan_request, task_goal, task_status, task_pose,
+    map_obstacles, plan_path, plan_request, task_goal, task_status, task_pose, task_zones,
     control_velocity_request, robot_velocity_command, run_clock, run_control, sim_ground_truth,
     sim_foresight, sim_placement, debug_rollouts, health_robot, health_mapping,
     health_global_planner, health_local_planner, health_collision_guard, run_spans>;

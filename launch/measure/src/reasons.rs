@@ -1,7 +1,7 @@
 //! Keeps what the stages said of why the robot did what it did: a moment for every change of their
 //! words, in the order of the ticks whatever the order in which they were heard.
 
-use crate::result::moment::{Command, Moment, Obstacle, Path, Request, Task, Zone};
+use crate::result::moment::{Command, Moment, Obstacle, Path, Request, Task, Zone, ZoneTold};
 use std::collections::{BTreeMap, VecDeque};
 use zeronav_msgs::command::{VelocityCommand, VelocityRequest};
 use zeronav_msgs::task::TaskState;
@@ -25,8 +25,8 @@ struct Tick {
     path: Option<Path>,
     task: Option<Task>,
     obstacles: Option<Vec<Obstacle>>,
-    /// Outer `None` = not told.
-    zone: Option<Option<Zone>>,
+    /// The zones that may make the robot slow, and stand.
+    zones: Option<[Option<Zone>; 2]>,
 }
 
 /// What the stages said.
@@ -72,9 +72,9 @@ impl Reasons {
         self.settle_before(tick.saturating_sub(2 * HOLD_TICKS));
     }
 
-    /// This zone makes the robot slow, or stand; `None` = none does.
-    pub fn zone(&mut self, tick: u64, run_ns: u64, zone: Option<Zone>) {
-        self.tick(tick, run_ns).zone = Some(zone);
+    /// These zones may make the robot slow, and stand or without a path.
+    pub fn zones(&mut self, tick: u64, run_ns: u64, zones: [Option<Zone>; 2]) {
+        self.tick(tick, run_ns).zones = Some(zones);
     }
 
     /// A new path has come, or a new reason why there is none.
@@ -169,8 +169,12 @@ impl Reasons {
         if let Some(command) = &tick.command {
             next.command = Command::of(command);
         }
-        if let Some(zone) = tick.zone {
-            next.zone = zone;
+        if let Some([slow, keepout]) = tick.zones {
+            next.zone = match next.zone_told() {
+                Some(ZoneTold::Slow) => slow,
+                Some(ZoneTold::Keepout) => keepout,
+                None => None,
+            };
         }
         if words(&next) != words(&self.now) {
             if self.moments.len() == MOMENTS_MAX {

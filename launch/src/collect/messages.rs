@@ -93,7 +93,6 @@ impl Collector {
     /// Takes in what the local planner asks for.
     pub(crate) fn request(&mut self, view: View<'_, ControlRequest>) {
         self.film.request(view.header.id, view.meta);
-        self.asked = view.meta.cause();
         (self.reasons).request(view.header.tick, view.header.run_ns, view.meta);
     }
 
@@ -105,8 +104,8 @@ impl Collector {
         self.aside.command(tick, self.last_tick);
         self.reasons.command(tick, run_ns, view.meta);
         if !self.zones.is_empty() {
-            let zone = self.zone(view.meta);
-            self.reasons.zone(tick, run_ns, zone);
+            let zones = self.zones_near(view.meta);
+            self.reasons.zones(tick, run_ns, zones);
         }
         (self.totals).hear(tick, run_ns, Fact::Command(view.meta.intervention()));
     }

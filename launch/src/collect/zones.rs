@@ -4,7 +4,7 @@ use super::Collector;
 use nalgebra::Point2;
 use zeronav_measure::result::moment::Zone;
 use zeronav_msgs::ZoneSet;
-use zeronav_msgs::command::{Intervention, RequestCause, VelocityCommand};
+use zeronav_msgs::command::{Intervention, VelocityCommand};
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::zones::{ZonePart, Zones};
@@ -25,26 +25,19 @@ impl Collector {
         self.film.zones(self.run_ns, parts);
     }
 
-    /// The zone because of which the robot is slow, stands, or has no path; `None` when it is none, or
-    /// nobody knows where the robot is.
-    pub(super) fn zone(&self, command: &VelocityCommand) -> Option<Zone> {
-        let keepout = |(name, _): (&str, f64)| Zone {
+    /// The zones that may make the robot slow, and stand or without a path: what the stages say decides.
+    pub(super) fn zones_near(&self, command: &VelocityCommand) -> [Option<Zone>; 2] {
+        let is_held = command.intervention() == Some(Intervention::ZoneStopped);
+        let robot = self.estimate().map(|robot| robot.point());
+        let closed = self.closed_m.filter(|_| !is_held).map(Point2::from);
+        let nearest = closed
+            .or(robot)
+            .and_then(|at| self.zones.nearest_keepout(at));
+        let keepout = nearest.map(|(name, _)| Zone {
             name: name.to_owned(),
             limit_mps: None,
-        };
-        match command.intervention() {
-            Some(Intervention::ZoneStopped) => {
-                let robot = self.estimate()?.point();
-                return self.zones.nearest_keepout(robot).map(keepout);
-            }
-            Some(Intervention::ZoneSlowed) => return self.speed_zone(),
-            _ => {}
-        }
-        if self.asked == Some(RequestCause::SpeedZone) {
-            return self.speed_zone();
-        }
-        let at_m = self.closed_m?;
-        self.zones.nearest_keepout(Point2::from(at_m)).map(keepout)
+        });
+        [self.speed_zone(), keepout]
     }
 
     /// The zone whose limit holds here, or ahead.

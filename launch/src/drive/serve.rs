@@ -206,15 +206,18 @@ impl Session<'_> {
             return Ok(());
         };
         let robot = self.collector.estimate();
-        let hint = map.zip(robot).map_or_else(
-            || "where it can drive to is not known before its first map".to_owned(),
-            |(map, robot)| {
+        let is_outside = |at| zones::is_outside(set, footprint, at);
+        let yaw_rad = goal.yaw_tolerance_rad;
+        let hint = match map.zip(robot) {
+            Some((map, robot)) => {
                 let reach = Reach::from(&map, robot.point());
-                let is_outside = |at| zones::is_outside(set, footprint, at);
-                let is_reached = |at| reach.contains(at) && is_outside(at);
-                self.nearest(pose, goal.yaw_tolerance_rad, is_reached)
-            },
-        );
+                self.nearest(pose, yaw_rad, |at| reach.contains(at) && is_outside(at))
+            }
+            None if set.keepout_at(pose.point()).is_some() => {
+                self.nearest(pose, yaw_rad, is_outside)
+            }
+            None => "where it can drive to is not known before its first map".to_owned(),
+        };
         Err(format!("{why}; {hint}; the robot goes on as before"))
     }
 

@@ -1,7 +1,7 @@
 //! Why the robot of a running stack does what it does now, by a guest that only reads.
 
 use super::around::{Around, Missing};
-use super::{past, sentence};
+use super::past;
 use crate::control::request::{self, Reply, RunReport};
 use crate::running::Running;
 use crate::topics::tap::{PAUSE, Tap};
@@ -158,7 +158,7 @@ pub(super) fn now(stack: &Running) -> Result<(Moment, Around), String> {
     if let Ok(Reply::Why(kept)) = stack.ask(&request::Request::Why { ago_s: 0.0 }) {
         let since_s = moment.time_s - kept.time_s;
         moment.task = kept.task.map(|task| task.after(since_s));
-        moment.zone = kept.zone.filter(|_| sentence::names_zone(&moment));
+        moment.zone = kept.zone.filter(|_| moment.zone_told().is_some());
     }
     Ok((moment, around))
 }

@@ -12,7 +12,6 @@ use driving::driving;
 use words::{age, failure, no_way, stale, waiting};
 use zeronav_measure::result::moment::{Command, Moment, Path, Point, Request, Task};
 use zeronav_msgs::command::{AGE_MS_MAX, Intervention, RequestCause, Validity};
-use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::{EndReason, TaskState};
 use zeronav_shell::printable;
@@ -234,25 +233,12 @@ fn no_path(path: Option<&Path>, task: Option<Task>) -> String {
     }
 }
 
-/// True when a zone is what the stages speak of.
-#[must_use]
-pub(super) fn names_zone(moment: &Moment) -> bool {
-    let (command, request) = (moment.command.as_ref(), moment.request.as_ref());
-    let by_guard = command.is_some_and(|command| {
-        matches!(
-            command.intervention,
-            Intervention::ZoneSlowed | Intervention::ZoneStopped
-        )
-    });
-    let path = moment.path.as_ref();
-    by_guard
-        || request.is_some_and(|request| request.cause == RequestCause::SpeedZone)
-        || path.is_some_and(|path| path.source == ObstacleSource::Keepout)
-}
-
 /// The zone that makes the robot slow, or stand.
 fn zone(moment: &Moment) -> Option<String> {
-    let zone = moment.zone.as_ref().filter(|_| names_zone(moment))?;
+    let zone = moment
+        .zone
+        .as_ref()
+        .filter(|_| moment.zone_told().is_some())?;
     let name = printable(&zone.name);
     Some(match zone.limit_mps {
         Some(limit_mps) => format!("Slow: zone `{name}`, {limit_mps} m/s."),

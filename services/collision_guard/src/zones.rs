@@ -16,14 +16,17 @@ use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::{Pose, ZoneSet};
 
-/// Largest distance of two points of the outline that are looked at, and of two poses on the way. [m]
+/// Largest distance of two points of the outline that are looked at. [m]
 const SPACING_M: f64 = 0.05;
 
-/// Largest turn between two poses on the way. [rad]
-const SPACING_RAD: f64 = 0.1;
+/// Between two poses on the way. [s]
+const STEP_S: f64 = 0.02;
 
-/// Most poses on the way.
-const POSES_MAX: u32 = 48;
+/// Most poses on the way: a way that is longer is not free.
+const STEPS_MAX: u32 = 400;
+
+/// Shares of the reaction time after which braking may begin, and at which stops are looked at.
+const STARTS: [f64; 2] = [1.0, 0.25];
 
 /// Most points of the outline.
 const POINTS_MAX: usize = 256;
@@ -133,6 +136,7 @@ impl ZoneRules {
         let way = Way {
             zones: &self.set,
             outline: &self.outline,
+            radius_m: description.circumscribed_radius_m,
             pose,
             measured,
             limits,
@@ -214,6 +218,7 @@ fn slowed(asked: Twist, measured: Twist, limits: &Limits, limit_mps: Option<f64>
 struct Way<'a> {
     zones: &'a ZoneSet,
     outline: &'a [Point2<f64>],
+    radius_m: f64,
     pose: Pose,
     measured: Twist,
     limits: &'a Limits,
@@ -221,77 +226,52 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    /// Seconds for which the faster of two speeds would have to hold to lead as far as the stop does.
-    fn lasts_s(&self, asked: f64, measured: f64, brake: f64) -> f64 {
-        let fastest = asked.abs().max(measured.abs());
-        if brake > 0.0 {
-            self.reaction_s + fastest / (2.0 * brake)
-        } else {
-            self.reaction_s
-        }
-    }
-
     /// How far it leads at most. [m]
     fn reach_m(&self, twist: Twist) -> f64 {
         let fastest = twist.v_mps.abs().max(self.measured.v_mps.abs());
-        fastest * self.lasts_s(twist.v_mps, self.measured.v_mps, self.limits.brake_mps2) + SPACING_M
+        fastest * (self.reaction_s + fastest / (2.0 * self.limits.brake_mps2))
     }
 
     /// True when the outline touches a keepout zone at a pose.
     fn is_inside(&self, pose: &Pose) -> bool {
+        if self.zones.is_far(pose.point(), self.radius_m) {
+            return false;
+        }
         let inside = |at: Point2<f64>| self.zones.keepout_at(at).is_some();
         let mut points = self.outline.iter();
         inside(pose.point()) || points.any(|point| inside(pose.transform(*point)))
     }
 
-    /// True when no pose on the way is in a keepout zone; for a robot that is in one, when no pose on the
-    /// way has a margin below `floor_m`.
+    /// True when a robot may be at a pose: outside of all keepout zones; one that is in one also where its
+    /// centre has a margin of `floor_m`, so that it may turn.
+    fn may_be(&self, pose: &Pose, floor_m: Option<f64>) -> bool {
+        !self.is_inside(pose)
+            || floor_m.is_some_and(|floor_m| self.zones.keepout_margin_m(pose.point()) >= floor_m)
+    }
+
+    /// True when it may be everywhere on the way, whenever braking begins.
     fn is_free(&self, twist: Twist, floor_m: Option<f64>) -> bool {
-        let Limits {
-            brake_mps2,
-            alpha_radps2_max,
-            ..
-        } = *self.limits;
-        let v_mps = faster(twist.v_mps, self.measured.v_mps);
-        let w_radps = faster(twist.w_radps, self.measured.w_radps);
-        let along_m = v_mps * self.lasts_s(twist.v_mps, self.measured.v_mps, brake_mps2);
-        let about_rad =
-            w_radps * self.lasts_s(twist.w_radps, self.measured.w_radps, alpha_radps2_max);
-        let steps = (along_m.abs() / SPACING_M)
-            .max(about_rad.abs() / SPACING_RAD)
-            .ceil();
-        let n = count(steps.clamp(1.0, f64::from(POSES_MAX)));
-        (1..=n).all(|step| {
-            let share = f64::from(step) / f64::from(n);
-            let pose = self.pose.then(&on_arc(along_m * share, about_rad * share));
-            match floor_m {
-                // Turning is no way farther in.
-                Some(floor_m) => {
-                    self.zones.keepout_margin_m(pose.point()) >= floor_m || !self.is_inside(&pose)
+        STARTS.iter().all(|share| {
+            let obeyed_s = share * self.reaction_s;
+            let (mut pose, mut now, mut elapsed_s) = (self.pose, self.measured, 0.0);
+            for _ in 0..STEPS_MAX {
+                let next = if elapsed_s < obeyed_s {
+                    self.limits.towards(now, twist, STEP_S)
+                } else {
+                    self.limits.towards_rest(now, STEP_S)
+                };
+                pose = pose.then(&now.mean(next).arc(STEP_S));
+                if !self.may_be(&pose, floor_m) {
+                    return false;
                 }
-                None => !self.is_inside(&pose),
+                (now, elapsed_s) = (next, elapsed_s + STEP_S);
+                if now == Twist::REST && elapsed_s >= obeyed_s {
+                    return true;
+                }
             }
+            false
         })
     }
-}
-
-/// Of two speeds in the same direction the faster one; else the first, which the robot turns to.
-fn faster(asked: f64, measured: f64) -> f64 {
-    if asked * measured > 0.0 && measured.abs() > asked.abs() {
-        measured
-    } else {
-        asked
-    }
-}
-
-/// Pose after an arc of that length and turn.
-fn on_arc(along_m: f64, about_rad: f64) -> Pose {
-    if about_rad.abs() < 1.0e-6 {
-        return Pose::new(along_m, 0.0, about_rad);
-    }
-    let radius_m = along_m / about_rad;
-    let (sin, cos) = about_rad.sin_cos();
-    Pose::new(radius_m * sin, radius_m * (1.0 - cos), about_rad)
 }
 
 #[allow(

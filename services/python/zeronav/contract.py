@@ -35,6 +35,9 @@ class Intervention(IntEnum):
     ODOMETRY_STALE = 5
     SLOWED = 6
     STOPPED_SHORT = 7
+    ZONE_SLOWED = 8
+    ZONE_STOPPED = 9
+    ZONES_MISSING = 10
 
 
 class ObstacleSource(IntEnum):
@@ -43,6 +46,7 @@ class ObstacleSource(IntEnum):
     LIDAR = 2
     TRACKED = 3
     UNKNOWN = 4
+    KEEPOUT = 5
 
 
 class PathBlock(IntEnum):
@@ -128,6 +132,7 @@ class RequestCause(IntEnum):
     YIELD = 26
     MANOEUVRE = 27
     NO_FIT = 28
+    SPEED_ZONE = 29
 
 
 class RequestReason(IntEnum):
@@ -207,6 +212,15 @@ class Validity(IntEnum):
     STOPPED = 6
 
 
+class ZoneKind(IntEnum):
+    NONE = 0
+    KEEPOUT = 1
+    SPEED_LIMIT = 2
+    SPEED_PERCENT = 3
+    COST = 4
+    LANE = 5
+
+
 SHADOW_EPOCH_MIN = 8388608
 COORDINATE_M_MAX = 1000000
 SPEED_MAX = 1000
@@ -233,6 +247,7 @@ FLAG_SENSED = 2
 FLAG_VIRTUAL = 4
 FLAG_REGULARISED = 8
 FLAG_UNKNOWN = 16
+FLAG_KEEPOUT = 32
 FORM_BYTES_MAX = 200
 USER_BORROWED = 2
 USER_BUFFER = 32
@@ -240,6 +255,13 @@ USER_BYTES_MAX = 65536
 USER_NAME_BYTES_MAX = 40
 USER_POOL = 58
 ACTUATION_DELAY_NS_MAX = 2000000000
+ZONES_MAX = 128
+ZONE_CORNERS_MAX = 16
+ZONE_COST_MAX = 252
+ZONE_NAME_BYTES = 32
+ZONE_PARTS_MAX = 512
+ZONE_PERCENT_MIN = 1
+ZONE_SPEED_MPS_MIN = 0.01
 OBSTACLE_RADIUS_M_MAX = 10
 ROLLOUT_COST_MAX = 1000000000
 ROLLOUT_POINTS_MAX = 12
@@ -981,6 +1003,63 @@ class TaskPoseEnvelope(Message):
     ]
 
 
+class Zones(Message):
+    """Fixed fields of the zones. The slice holds their parts, those of a zone one after the
+    other."""
+
+    NAME = "zeronav.Zones.v1"
+    SIZE = 24
+    SCHEMA = 0x70041535f3509961
+    OFFSETS = (0, 8, 16)
+    _fields_ = [
+        # [number] Grows with every change, from 1.
+        ("revision", u64),
+        # [tick] First tick at which they hold; 0 = at once.
+        ("from_tick", u64),
+        # [count] Parts in the slice.
+        ("n_parts", u64),
+    ]
+
+
+class TaskZonesEnvelope(Message):
+    """Header and fixed fields of the topic's messages."""
+
+    NAME = "zeronav.task.zones.v1"
+    SIZE = 152
+    SCHEMA = 0x7726ed377bc84d3a
+    OFFSETS = (0, 128)
+    _fields_ = [
+        # The header.
+        ("header", Header),
+        # The fixed fields.
+        ("meta", Zones),
+    ]
+
+
+class ZonePart(Message):
+    """A polygon of a zone. Its edges may not cross; inside is what an odd number of edges
+    encloses."""
+
+    NAME = "zeronav.ZonePart.v1"
+    SIZE = 304
+    SCHEMA = 0x3e34c3fe1a2a1211
+    OFFSETS = (0, 32, 288, 296, 298, 300)
+    _fields_ = [
+        # [text] Name of the zone, padded with 0.
+        ("name", u8 * 32),
+        # [m] x and y of the corners, `map` frame; those beyond `n_corners` are 0.
+        ("corners_m", f64 * 2 * 16),
+        # [number] By kind: m/s, percent, or a cost of 1 to 252; 0 for a keepout zone.
+        ("value", f64),
+        # Code of `ZoneKind`.
+        ("kind", u16),
+        # [count] Corners, at least 3.
+        ("n_corners", u16),
+        # Written as 0.
+        ("spare", u32),
+    ]
+
+
 class VelocityRequest(Message):
     """Fixed fields of a velocity request; the slice is empty. What explains it may be left 0."""
 
@@ -1142,10 +1221,10 @@ class TopicFault(Message):
 class RunControl(Message):
     """Fixed fields of the control message. The slice holds the roster."""
 
-    NAME = "zeronav.RunControl.v2"
-    SIZE = 80
-    SCHEMA = 0x6145e57db90c9481
-    OFFSETS = (0, 8, 10, 12, 16)
+    NAME = "zeronav.RunControl.v3"
+    SIZE = 88
+    SCHEMA = 0xfd6f5df11a6a068e
+    OFFSETS = (0, 8, 10, 12, 16, 24)
     _fields_ = [
         # [tick] Highest tick that the robot may start, lockstep only.
         ("lease", u64),
@@ -1155,6 +1234,8 @@ class RunControl(Message):
         ("stopping", u16),
         # [count] Seats in the slice.
         ("n_seats", u32),
+        # [number] Revision of `task/zones` that holds; 0 = there were never any.
+        ("zones", u64),
         # Topics that are disturbed on purpose; all zero in earnest.
         ("topic_faults", TopicFault * 4),
     ]
@@ -1164,8 +1245,8 @@ class RunControlEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.run.control.v1"
-    SIZE = 208
-    SCHEMA = 0x3d37fd9a35e2c48b
+    SIZE = 216
+    SCHEMA = 0xc8de769278752ee7
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1744,6 +1825,21 @@ TASK_POSE = Topic(
     schema=0xe69a38feb2ce2572,
 )
 
+TASK_ZONES = Topic(
+    number=27,
+    name="task/zones",
+    discipline="latched",
+    envelope=TaskZonesEnvelope,
+    item=ZonePart,
+    writers=(Role.LAUNCH,),
+    rings=(Role.MAPPING, Role.LOCAL_PLANNER, Role.COLLISION_GUARD),
+    rings_in_lockstep=(),
+    len_max=512,
+    buffer=2,
+    pool=59,
+    schema=0x69d4f97669679555,
+)
+
 CONTROL_VELOCITY_REQUEST = Topic(
     number=10,
     name="control/velocity_request",
@@ -1803,7 +1899,7 @@ RUN_CONTROL = Topic(
     len_max=16,
     buffer=2,
     pool=59,
-    schema=0xaabe4789147f5ef3,
+    schema=0x0832878dcde34582,
 )
 
 SIM_GROUND_TRUTH = Topic(
@@ -1969,6 +2065,7 @@ TOPICS = (
     TASK_GOAL,
     TASK_STATUS,
     TASK_POSE,
+    TASK_ZONES,
     CONTROL_VELOCITY_REQUEST,
     ROBOT_VELOCITY_COMMAND,
     RUN_CLOCK,
@@ -2028,6 +2125,9 @@ for _message in (
     GoalEnd,
     PoseEstimate,
     TaskPoseEnvelope,
+    Zones,
+    TaskZonesEnvelope,
+    ZonePart,
     VelocityRequest,
     ControlVelocityRequestEnvelope,
     VelocityCommand,

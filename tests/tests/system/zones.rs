@@ -128,7 +128,7 @@ fn says(text: &str, words: &[&str]) {
 
 #[test]
 fn zones_are_added_listed_and_removed_while_the_stack_runs() {
-    let mut up = up(&["--lockstep"]);
+    let up = up(&["--lockstep"]);
     assert_eq!(up.ask(&["zone", "list"], 0), "no zones\n");
     assert_eq!(
         up.ask(&["zone", "add", "wet floor", "8", "0", "12", "8"], 0),
@@ -230,7 +230,7 @@ fn a_zone_message_that_is_lost_opens_nothing() {
             let why = report["why"].as_str().unwrap_or_default().to_owned();
             why.contains("zones were announced that have not come")
         });
-    up.ask(&["heal"], 0);
+    up.ask(&["fault", "heal"], 0);
     up.stack.wait_until("it has them and drives", |stack| {
         let report = stack.report().unwrap_or_default();
         report["pose"][0].as_f64() > Some(5.5)

@@ -64,6 +64,34 @@ pub struct Moment {
     pub zone: Option<Zone>,
 }
 
+/// What the stages say of a zone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ZoneTold {
+    /// The robot is slow in one.
+    Slow,
+    /// A keepout zone holds it back, or leaves no path.
+    Keepout,
+}
+
+impl Moment {
+    /// What the stages say of a zone; `None` when they speak of none.
+    #[must_use]
+    pub fn zone_told(&self) -> Option<ZoneTold> {
+        match self.command.as_ref().map(|command| command.intervention) {
+            Some(Intervention::ZoneStopped) => return Some(ZoneTold::Keepout),
+            Some(Intervention::ZoneSlowed) => return Some(ZoneTold::Slow),
+            _ => {}
+        }
+        let cause = self.request.as_ref().map(|request| request.cause);
+        let path = self.path.as_ref();
+        let has_path = path.is_none_or(|path| path.status == PathStatus::Found);
+        match path.map(|path| path.source) {
+            Some(ObstacleSource::Keepout) if !has_path => Some(ZoneTold::Keepout),
+            _ => (cause == Some(RequestCause::SpeedZone)).then_some(ZoneTold::Slow),
+        }
+    }
+}
+
 /// A zone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
