@@ -1,5 +1,4 @@
-//! One scan after the other: where it was seen from, what moves in it, and what it says about
-//! the map.
+//! One scan after the other: where it was seen from, what moves in it, and what it says about the map.
 
 mod zones;
 
@@ -182,8 +181,7 @@ impl Mapping {
         &mut self.timer
     }
 
-    /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date. What may be asked of it later
-    /// is left to [`Self::check`].
+    /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date; the rest is for [`Self::check`].
     pub fn take_in(&mut self, observation: &Observation<'_>) -> Integrated {
         self.check();
         let odom_from_base = &observation.odom_from_base;
