@@ -150,16 +150,14 @@ fn in_words(zones: &[ZoneSpec]) -> String {
             (Some(ZoneWord::Cost), ..) => format!("cost {}", zone.cost.unwrap_or_default()),
             (Some(ZoneWord::Lane), ..) => "preferred lane".to_owned(),
         };
-        let place = match &zone.mask {
-            Some(file) => printable(&file.display().to_string()).into_owned(),
-            None => {
-                let corners = zone
-                    .polygon
-                    .iter()
-                    .map(|[x_m, y_m]| format!("({x_m}, {y_m})"));
-                corners.collect::<Vec<_>>().join(" ")
-            }
+        let corners = || {
+            let corners = zone.polygon.iter();
+            let corners = corners.map(|[x_m, y_m]| format!("({x_m}, {y_m})"));
+            corners.collect::<Vec<_>>().join(" ")
         };
+        let place = zone.mask.as_ref().map_or_else(corners, |file| {
+            printable(&file.display().to_string()).into_owned()
+        });
         let _ = writeln!(text, "{:<20} {asks:<24} {place}", printable(&zone.name));
     }
     text

@@ -112,7 +112,7 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
     Ok(cases)
 }
 
-/// The class of a world, and a number that worlds of told_wrong and told_right have in common.
+/// The class of a world, and a number that worlds of `told_wrong` and `told_right` have in common.
 fn class_of(world: &WorldFile) -> (usize, u32) {
     let (map, robot) = (world.number / EACH, world.number % EACH);
     let (class, n) = (robot / OF_CLASS, robot % OF_CLASS);

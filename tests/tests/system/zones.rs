@@ -85,9 +85,10 @@ fn zones_survive_the_death_of_every_service() {
         ("collision_guard", 10.0),
         ("global_planner", 13.0),
     ] {
-        text += &format!(
+        let fault = format!(
             "[[faults]]\nkind = \"kill\"\nservice = \"{role}\"\nbegins = {{ at_s = {at_s:?} }}\n"
         );
+        text.push_str(&fault);
     }
     std::fs::write(folder.path().join("it.toml"), text).expect("written");
     let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];

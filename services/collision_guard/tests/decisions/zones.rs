@@ -111,7 +111,7 @@ impl Drive {
         if self.tick % SCAN_TICKS == 1 {
             // Far walls with some noise, so that the lidar is no frozen one.
             for (n, range) in self.ranges.iter_mut().enumerate() {
-                *range = if (n as u64 + self.tick) % 7 == 0 {
+                *range = if (n as u64 + self.tick).is_multiple_of(7) {
                     15.0
                 } else {
                     15.01
