@@ -78,6 +78,7 @@ enum class EndReason : std::uint16_t {
     stuck = 4,
     no_path = 5,
     replaced = 6,
+    pose_unknown = 7,
 };
 
 enum class HealthState : std::uint16_t {
@@ -193,7 +194,8 @@ enum class RequestCause : std::uint16_t {
     yield = 26,
     manoeuvre = 27,
     no_fit = 28,
-    speed_zone = 29,
+    seek_pose = 29,
+    speed_zone = 30,
 };
 
 enum class RequestReason : std::uint16_t {

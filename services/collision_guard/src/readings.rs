@@ -94,7 +94,8 @@ impl Readings {
         if !map.poll(shell.roster()) {
             return Ok(None);
         }
-        let located = (map.get()).map(|view| (view.meta.map_from_odom, view.meta.knows_pose()));
+        let located =
+            (map.get()).map(|view| (view.meta.map_from_odom, view.meta.certainty().is_known()));
         // The tiles are large, and of no use here.
         map.release();
         Ok(located)

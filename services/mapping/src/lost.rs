@@ -21,8 +21,8 @@ const JUDGED_MIN: f64 = 25.0;
 /// The same number while the place is not confirmed.
 const JUDGED_MIN_UNCONFIRMED: f64 = 10.0;
 
-/// Share of the beams that ended somewhere that the map must explain to confirm a place: what ends where nothing is known
-/// does not speak for it.
+/// Share of the beams that ended somewhere that the map must explain to confirm a place: what ends where nothing is known,
+/// or on what may move, does not speak for it.
 const CONFIRMS: f64 = 0.5;
 
 /// How far a robot drives until it sees something else. [m]
@@ -48,8 +48,10 @@ const CLOSELY_EVERY: u32 = 10;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Judged {
     pub(crate) explained: Explained,
-    /// Beams that ended where beams count.
+    /// Beams that ended where beams count, on what stands.
     pub(crate) n_ends: f64,
+    /// The same, also on what may move: what the map does not explain may seem to.
+    pub(crate) n_hits: f64,
     /// Where the robot takes itself to be.
     pub(crate) map_from_base: Pose,
     /// There it would stand in an obstacle of the map.
@@ -65,10 +67,11 @@ pub(crate) struct LostWatch {
     seems_s: f64,
     /// The map has explained what is seen.
     confirmed: bool,
-    /// What it has said of one scan of every view, until it is confirmed, how many beams of these ended, and from where the
-    /// last one was.
+    /// What it has said of one scan of every view, until it is confirmed, how many beams of these ended, on what stands and
+    /// on anything, and from where the last one was.
     views: Explained,
     view_ends: f64,
+    view_hits: f64,
     last_view: Option<Pose>,
     /// Scans since the last close look.
     n_glances: u32,
@@ -117,6 +120,7 @@ impl LostWatch {
         let Judged {
             explained,
             n_ends,
+            n_hits,
             elapsed_s,
             ..
         } = *scan;
@@ -135,19 +139,19 @@ impl LostWatch {
             return self.seems_s >= LASTS_S;
         }
         let (views, n_viewed) = self.add_view(scan);
-        let fits = |seen: &Explained, n_judged: f64, n_ends: f64| {
-            let is_explained = seen.share(1.0) >= below && seen.on >= CONFIRMS * n_ends;
+        let fits = |seen: &Explained, n_judged: f64, n_hits: f64| {
+            let is_explained = seen.share(1.0) >= below && seen.on >= CONFIRMS * n_hits;
             n_judged >= JUDGED_MIN && is_explained
         };
         let is_off = n_ends >= JUDGED_MIN && explained.judged() < (1.0 - OFF) * n_ends;
         let is_judged = n_judged >= JUDGED_MIN_UNCONFIRMED;
         let differs = is_off || (is_judged && seems_elsewhere(&explained, below));
         // What one scan says alone outweighs what others have said from elsewhere.
-        let fits_alone = !differs && fits(&explained, n_judged, n_ends);
+        let fits_alone = !differs && fits(&explained, n_judged, n_hits);
         let views_differ = n_viewed >= JUDGED_MIN && seems_elsewhere(&views, below);
         let is_elsewhere = differs || (views_differ && !fits_alone);
         self.count(is_elsewhere, is_judged, elapsed_s);
-        self.confirmed = fits_alone || (!is_elsewhere && fits(&views, n_viewed, self.view_ends));
+        self.confirmed = fits_alone || (!is_elsewhere && fits(&views, n_viewed, self.view_hits));
         self.seems_s >= LASTS_S
     }
 
@@ -167,6 +171,7 @@ impl LostWatch {
             self.last_view = Some(*at);
             self.views.add(&scan.explained);
             self.view_ends += scan.n_ends;
+            self.view_hits += scan.n_hits;
         }
         (self.views, self.views.judged().min(self.view_ends))
     }

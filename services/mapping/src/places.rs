@@ -30,6 +30,14 @@ pub(crate) fn is_near(beam: &Beam, range_m_max: f64) -> bool {
     matches!(beam.end, End::Hit(range_m) if range_m <= range_m_max)
 }
 
+/// How many of about `n_max` beams ended where beams count.
+#[allow(clippy::cast_precision_loss, reason = "a few hundred")]
+pub(crate) fn n_hits(beams: &[Beam], n_max: usize, range_m_max: f64) -> f64 {
+    let every = beams.len().div_ceil(n_max).max(1);
+    let beams = beams.iter().step_by(every);
+    beams.filter(|beam| is_near(beam, range_m_max)).count() as f64
+}
+
 /// What a robot has moved between two poses.
 pub(crate) fn motion(from: &Pose, to: &Pose) -> Pose {
     Pose::from(from.isometry().inverse() * to.isometry())

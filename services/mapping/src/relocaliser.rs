@@ -13,7 +13,7 @@ use crate::localisation::StartPose;
 use crate::localiser::CorrectionMode;
 use crate::lost::{Judged, LostWatch, seems_elsewhere};
 use crate::mapper::Mapper;
-use crate::places::{Held, exact, is_near, is_same, lay, motion, search_map};
+use crate::places::{Held, exact, is_near, is_same, lay, motion, n_hits, search_map};
 use crate::scan_match::Match;
 use crate::search_map::SearchMap;
 use crate::window::WindowMode;
@@ -269,6 +269,7 @@ impl Relocaliser {
         let judged = Judged {
             explained,
             n_ends: n,
+            n_hits: n_hits(sight.beams, GLANCE, self.range_m_max),
             map_from_base: sight.map_from_base,
             is_inside: Walls::of(sight.mapper).is_inside(sight.map_from_base.point()),
             elapsed_s,

@@ -17,6 +17,7 @@ class EndReason(IntEnum):
     STUCK = 4
     NO_PATH = 5
     REPLACED = 6
+    POSE_UNKNOWN = 7
 
 
 class HealthState(IntEnum):
@@ -132,7 +133,8 @@ class RequestCause(IntEnum):
     YIELD = 26
     MANOEUVRE = 27
     NO_FIT = 28
-    SPEED_ZONE = 29
+    SEEK_POSE = 29
+    SPEED_ZONE = 30
 
 
 class RequestReason(IntEnum):

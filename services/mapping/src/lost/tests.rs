@@ -12,6 +12,7 @@ fn judged(explained: Explained, n_ends: f64, x_m: f64) -> Judged {
     Judged {
         explained,
         n_ends,
+        n_hits: n_ends,
         map_from_base: Pose::new(x_m, 0.0, 0.0),
         is_inside: false,
         elapsed_s: 0.1,
@@ -69,6 +70,12 @@ fn a_place_is_confirmed_by_one_scan_that_sees_enough() {
     let mut watch = LostWatch::default();
     let [on, new, through] = [24.0, 8.0, 0.0];
     let seen = judged(Explained { on, new, through }, 50.0, 0.0);
+    assert!(!watch.is_lost(&seen, 0.6) && !watch.is_confirmed());
+    // What the map does not explain is taken for something that moves after a while.
+    let seen = Judged {
+        n_ends: 32.0,
+        ..seen
+    };
     assert!(!watch.is_lost(&seen, 0.6) && !watch.is_confirmed());
 }
 
