@@ -72,7 +72,7 @@ pub(crate) struct ZoneRules {
 impl ZoneRules {
     /// Takes in zones in place of those before.
     pub(crate) fn set(&mut self, set: &ZoneSet) {
-        self.set = set.clone();
+        self.set.clone_from(set);
         // What is around the robot is another zone now.
         self.least_m = None;
     }
