@@ -115,7 +115,10 @@ impl Scenario {
         }
         for (index, zone) in scenario.zones.iter_mut().enumerate() {
             let field = format!("zones[{index}].mask");
-            zone.place_files(document.folder_of(&field).unwrap_or(Path::new("")));
+            if let Some(mask) = &mut zone.mask {
+                let folder = document.folder_of(&field).unwrap_or(Path::new(""));
+                *mask = absolute(&folder.join(&*mask));
+            }
         }
         for (field, binary) in binaries_of(&mut scenario) {
             if let Some(folder) = document.folder_of(&field)

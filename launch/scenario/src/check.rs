@@ -92,7 +92,11 @@ impl Scenario {
         wrong.extend(world.and_then(|world| self.check_size(world).err()));
         wrong.extend(self.check_start(world, footprint.as_ref()).err());
         wrong.extend(self.check_goals(world, footprint.as_ref()));
-        wrong.extend(zones::check(self, world.zip(footprint.as_ref())));
+        // A goal that cannot be reached is a fair thing to call unreachable.
+        let wants_room = self.expect.outcome == Outcome::Reached;
+        let place = world.zip(footprint.as_ref()).filter(|_| wants_room);
+        let goals = self.goals.iter().map(|goal| (&goal.pose, goal.tolerance_m));
+        wrong.extend(zones::check(&self.zones, goals, place));
         if let (Some(world), Some(footprint)) = (world, &footprint) {
             wrong.extend(self.check_trials(world, footprint).err());
         }

@@ -1,11 +1,10 @@
 //! Zones of a scenario or of a client: where the robot may not go, where it is slow, which ways it prefers.
 
-use crate::{Outcome, Scenario, absolute};
 use core::f64::consts::PI;
 use nalgebra::{Point2, Vector2};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use zeronav_msgs::message::{COORDINATE_M_MAX, SPEED_MAX};
 use zeronav_msgs::zones::{
     ZONE_CORNERS_MAX, ZONE_COST_MAX, ZONE_NAME_BYTES, ZONE_PARTS_MAX, ZONE_PERCENT_MIN,
@@ -149,13 +148,6 @@ impl ZoneSpec {
         check_polygon(&self.polygon)?;
         Ok(ZonePart::new(&self.name, wire, value, &self.polygon))
     }
-
-    /// Makes the path of its mask one from `folder`.
-    pub(super) fn place_files(&mut self, folder: &Path) {
-        if let Some(mask) = &mut self.mask {
-            *mask = absolute(&folder.join(&*mask));
-        }
-    }
 }
 
 /// Accepts corners of an area whose edges do not cross.
@@ -297,24 +289,28 @@ pub fn is_outside(zones: &ZoneSet, footprint: &Footprint, at: Point2<f64>) -> bo
     zones.keepout_margin_m(at) > footprint.circumscribed_radius_m()
 }
 
-/// What is wrong with the zones of a scenario, and with goals inside of them.
-pub(super) fn check(scenario: &Scenario, place: Option<(&World, &Footprint)>) -> Vec<SpecError> {
-    let read = ReadZone::all(&scenario.zones).and_then(|zones| message(&zones, 1));
+/// What is wrong with the zones of a scenario, and with goals inside of them, each a pose and its tolerance [m]; these are
+/// looked at where there is a `place`.
+pub(super) fn check<'a>(
+    zones: &[ZoneSpec],
+    goals: impl Iterator<Item = (&'a Pose, f64)>,
+    place: Option<(&World, &Footprint)>,
+) -> Vec<SpecError> {
+    let read = ReadZone::all(zones).and_then(|zones| message(&zones, 1));
     let (message, parts) = match read {
         Ok(set) => set,
         Err(error) => return vec![error.within("zones")],
     };
-    // A goal that cannot be reached is a fair thing to call unreachable.
-    let wants_room = scenario.expect.outcome == Outcome::Reached;
-    let Some(place) = place.filter(|_| wants_room) else {
+    let Some(place) = place else {
         return Vec::new();
     };
     let set = ZoneSet::of(&message, &parts);
-    let goals = scenario.goals.iter().enumerate();
-    let refused = goals.filter_map(|(index, goal)| {
-        let why = refused_goal(&set, place, &goal.pose, goal.tolerance_m)?;
-        Some(SpecError::new(format!("goals[{index}].pose"), why))
-    });
+    let refused = goals
+        .enumerate()
+        .filter_map(|(index, (pose, tolerance_m))| {
+            let why = refused_goal(&set, place, pose, tolerance_m)?;
+            Some(SpecError::new(format!("goals[{index}].pose"), why))
+        });
     refused.collect()
 }
 

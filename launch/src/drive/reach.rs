@@ -20,8 +20,13 @@ pub(super) struct Reach {
 
 impl Reach {
     /// From `start` in the map frame [m]; nothing when that is off the map. Unknown cells may be crossed,
-    /// diagonal steps are not taken. O(cells).
-    pub(super) fn from(map: &MapView<'_>, start: Point2<f64>) -> Self {
+    /// diagonal steps are not taken, nor those to where `is_closed` says so: the map may not have the newest zones yet.
+    /// O(cells).
+    pub(super) fn from(
+        map: &MapView<'_>,
+        start: Point2<f64>,
+        is_closed: impl Fn(Point2<f64>) -> bool,
+    ) -> Self {
         let mut reach = Self {
             geometry: *map.geometry,
             reached: vec![false; map.cells.len()],
@@ -33,7 +38,7 @@ impl Reach {
                     continue;
                 };
                 let is_free = (map.cells.get(index)).is_some_and(|cell| !cell.blocks_centre());
-                if is_free && !reach.reached[index] {
+                if is_free && !reach.reached[index] && !is_closed(map.geometry.centre_of(next)) {
                     reach.reached[index] = true;
                     open.push_back(next);
                 }
@@ -113,16 +118,22 @@ mod tests {
         for row in 0..3 {
             cells[row * 6 + 3].cost = COST_LETHAL;
         }
-        let view = |cells: &[MapCell], start| {
+        let closed = |at: Point2<f64>| at.x > 1.0 && at.x < 1.5;
+        let view_of = |cells: &[MapCell], start, is_closed: &dyn Fn(Point2<f64>) -> bool| {
             let map = MapView {
                 geometry: &geometry,
                 cells,
             };
-            let reach = Reach::from(&map, start);
+            let reach = Reach::from(&map, start, is_closed);
             [0.25, 1.25, 1.75, 2.25, 9.0].map(|x| reach.contains(Point2::new(x, 0.75)))
         };
+        let view = |cells: &[MapCell], start| view_of(cells, start, &|_| false);
         let here = Point2::new(0.3, 0.3);
         assert_eq!(view(&cells, here), [true, true, false, false, false]);
+        assert_eq!(
+            view_of(&cells, here, &closed),
+            [true, false, false, false, false]
+        );
         assert_eq!(view(&cells, Point2::new(-3.0, 0.3)), [false; 5]);
         // In an obstacle it goes nowhere.
         let inside = Point2::new(1.6, 0.8);
@@ -156,7 +167,7 @@ mod tests {
                 geometry: &geometry,
                 cells: &cells,
             };
-            let reach = Reach::from(&map, Point2::new(x_m, 0.05));
+            let reach = Reach::from(&map, Point2::new(x_m, 0.05), |_| false);
             let all = 0..geometry.width;
             all.map(|x| reach.contains(geometry.centre_of(Cell::new(x.cast_signed(), 0))))
                 .collect()

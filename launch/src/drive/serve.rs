@@ -210,7 +210,8 @@ impl Session<'_> {
         let yaw_rad = goal.yaw_tolerance_rad;
         let hint = match map.zip(robot) {
             Some((map, robot)) => {
-                let reach = Reach::from(&map, robot.point());
+                let is_closed = |at| set.keepout_at(at).is_some();
+                let reach = Reach::from(&map, robot.point(), is_closed);
                 self.nearest(pose, yaw_rad, |at| reach.contains(at) && is_outside(at))
             }
             None if set.keepout_at(pose.point()).is_some() => {

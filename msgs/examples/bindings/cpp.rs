@@ -82,7 +82,12 @@ pub(crate) fn text(contract: &Contract) -> String {
     }
     text.push('\n');
     for (name, value) in &contract.constants {
-        let _ = writeln!(text, "inline constexpr int {name} = {value};");
+        let kind = if value.fract() == 0.0 {
+            "int"
+        } else {
+            "double"
+        };
+        let _ = writeln!(text, "inline constexpr {kind} {name} = {value};");
     }
     for message in &contract.messages {
         write_message(&mut text, message);

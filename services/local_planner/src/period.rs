@@ -289,17 +289,6 @@ impl LocalPlanner {
         })
     }
 
-    /// The fastest speed that zones allow here and on the path ahead. [m/s]
-    fn zone_mps(&self, inputs: &Inputs<'_>, route: Route<'_>, robot: &Pose) -> f64 {
-        let (Some(zones), Some((description, _))) = (inputs.zones, inputs.robot) else {
-            return f64::INFINITY;
-        };
-        zone_mps(zones, description, robot.point(), |ahead_m| {
-            let arc_m = route.place.arc_m + ahead_m;
-            self.tracker.point_at(route.waypoints, arc_m)
-        })
-    }
-
     /// What the robot is about.
     #[must_use]
     pub fn behaviour(&self) -> Behaviour {
@@ -377,7 +366,10 @@ impl LocalPlanner {
             past_hits_in_base,
             goal: &goal,
             speed_factor,
-            zone_mps: self.zone_mps(inputs, route, &map_from_base),
+            zone_mps: zone_mps(inputs.zones, robot, map_from_base.point(), |ahead_m| {
+                let arc_m = route.place.arc_m + ahead_m;
+                self.tracker.point_at(route.waypoints, arc_m)
+            }),
             period_s: inputs.period_s,
             ahead_s: 0.0,
         };

@@ -19,11 +19,14 @@ const REACTION_S: f64 = 0.1;
 /// The fastest speed that zones allow a robot at `here` whose path goes on through `ahead(arc)` [m];
 /// infinite when they set none. [m/s]
 pub(crate) fn zone_mps(
-    zones: &ZoneSet,
+    zones: Option<&ZoneSet>,
     robot: &Description,
     here: Point2<f64>,
     ahead: impl Fn(f64) -> Point2<f64>,
 ) -> f64 {
+    let Some(zones) = zones else {
+        return f64::INFINITY;
+    };
     let limit_mps = |at: Point2<f64>| {
         let limit = zones.limit_at(at, robot.v_mps_max);
         limit.map_or(f64::INFINITY, |limit| limit.limit_mps)
@@ -64,7 +67,7 @@ mod tests {
         let robot = robot();
         let at = |x_m: f64| {
             let ahead = |arc_m: f64| Point2::new(x_m + arc_m, 0.0);
-            zone_mps(&zones, &robot, Point2::new(x_m, 0.0), ahead)
+            zone_mps(Some(&zones), &robot, Point2::new(x_m, 0.0), ahead)
         };
         assert!(at(-2.0).is_infinite(), "{}", at(-2.0));
         assert!((at(2.5) - 0.3).abs() < 1e-9 && (at(1.97) - 0.3).abs() < 1e-6);

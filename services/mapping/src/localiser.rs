@@ -197,7 +197,7 @@ impl Localiser {
     /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad] On a map of its own
     /// making that is against where the map began, and grows with the way. As long as the pose is
     /// uncertain its deviations are above those from which on nobody may rely on it, and above those of a pose that
-    /// was told until it `is_confirmed`; where `odom` is `map` nothing was told.
+    /// was told until it `is_confirmed`.
     #[must_use]
     pub fn covariance(&self, is_confirmed: bool) -> [f64; 6] {
         let mut c = self.drift;
@@ -209,7 +209,7 @@ impl Localiser {
             let yaw_rad = self.unknown.1 + UNCERTAIN * POSE_SIGMA_RAD_MAX;
             let most = Vector3::new(place_m, place_m, yaw_rad);
             c += Matrix3::from_diagonal(&most.component_mul(&most));
-        } else if !is_confirmed && (self.active || self.map_from_odom != Pose::default()) {
+        } else if !is_confirmed {
             let (place_m, yaw_rad) = POSE_SIGMA_TOLD;
             for (axis, least) in [place_m, place_m, yaw_rad].into_iter().enumerate() {
                 c[(axis, axis)] = c[(axis, axis)].max(least.powi(2));

@@ -152,10 +152,11 @@ impl Mapping {
         let can_search = self.relocaliser.is_some();
         self.localiser
             .resume(info.map_from_odom, info.covariance, can_search);
-        if let Some(relocaliser) = &mut self.relocaliser
-            && info.certainty() == PoseCertainty::Confirmed
-        {
-            relocaliser.confirm();
+        if let Some(relocaliser) = &mut self.relocaliser {
+            match info.certainty() {
+                PoseCertainty::Confirmed => relocaliser.confirm(),
+                PoseCertainty::Unconfirmed | PoseCertainty::Unknown => relocaliser.tell(),
+            }
         }
         true
     }
@@ -168,7 +169,7 @@ impl Mapping {
         self.unchecked = None;
         self.localiser.relocate(map_from_odom, &next.odom_from_base);
         if let Some(relocaliser) = &mut self.relocaliser {
-            relocaliser.restart();
+            relocaliser.tell();
         }
         self.tracker.restart();
         if self.has_static_map {

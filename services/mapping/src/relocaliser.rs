@@ -133,6 +133,9 @@ pub(crate) struct Relocaliser {
     /// Least clearance at which the robot can stand. [m]
     room_m: f64,
     watch: LostWatch,
+    /// The robot was told where it is, by configuration or by a person: that may be wrong. Where `odom` begins as `map`
+    /// nothing was told.
+    is_told: bool,
     stage: Stage,
     sought: Sought,
     /// How long the pose has been uncertain. [s]
@@ -172,6 +175,7 @@ impl Relocaliser {
             range_m_max: config.obstacle_range_m,
             room_m,
             watch: LostWatch::default(),
+            is_told: config.localisation.map_from_odom != [0.0; 3],
             stage: Stage::Known,
             sought: Sought::Not,
             uncertain_s: 0.0,
@@ -193,6 +197,12 @@ impl Relocaliser {
         self.map = None;
     }
 
+    /// As [`Self::restart`], of a robot that was told where it is.
+    pub(crate) fn tell(&mut self) {
+        self.restart();
+        self.is_told = true;
+    }
+
     /// As [`Self::restart`], where the map has explained what is seen: the robot was found, or takes over from a process
     /// that knew where it is and had seen that.
     pub(crate) fn confirm(&mut self) {
@@ -202,7 +212,7 @@ impl Relocaliser {
 
     /// True when nothing is to be confirmed, or the map has explained what the robot sees.
     pub(crate) fn is_confirmed(&self) -> bool {
-        self.lost_below <= 0.0 || self.watch.is_confirmed()
+        !self.is_told || self.lost_below <= 0.0 || self.watch.is_confirmed()
     }
 
     /// How far the robot knows where it is.

@@ -4,6 +4,7 @@
 """
 
 import math
+import unicodedata
 
 import numpy as np
 
@@ -221,6 +222,45 @@ def _pose_estimate(meta, items):
     pose(meta.odom_from_base, "odom_from_base")
 
 
+# Least and most of the value of a zone.
+ZONE_VALUES = {
+    c.ZoneKind.KEEPOUT: (0, 0),
+    c.ZoneKind.SPEED_LIMIT: (c.ZONE_SPEED_MPS_MIN, c.SPEED_MAX),
+    c.ZoneKind.SPEED_PERCENT: (c.ZONE_PERCENT_MIN, 100),
+    c.ZoneKind.COST: (1, c.ZONE_COST_MAX),
+    c.ZoneKind.LANE: (1, c.ZONE_COST_MAX),
+}
+
+
+def _zone_name(padded):
+    """The name of a part; empty when it is no text."""
+    name, _, rest = padded.partition(b"\0")
+    try:
+        text = name.decode()
+    except UnicodeDecodeError:
+        return ""
+    is_word = not rest.strip(b"\0") and all(unicodedata.category(one) != "Cc" for one in text)
+    return text if is_word else ""
+
+
+def _zones(meta, parts):
+    ensure(meta.revision != 0, "identity without epoch or count")
+    length(parts, meta.n_parts, c.ZONE_PARTS_MAX, "parts")
+    n_zones, before = 0, None
+    for part in parts:
+        kind = int(part["kind"])
+        code(c.ZoneKind, kind, "zone.kind")
+        name = part["name"].tobytes()
+        ensure(_zone_name(name), "zone.name is out of range")
+        ensure(kind != c.ZoneKind.NONE, "unknown code in zone.kind")
+        number(float(part["value"]), *ZONE_VALUES[c.ZoneKind(kind)], "zone.value")
+        ensure(3 <= part["n_corners"] <= c.ZONE_CORNERS_MAX, "wrong number of zone.corners")
+        number(part["corners_m"], -c.COORDINATE_M_MAX, c.COORDINATE_M_MAX, "zone.corners_m")
+        n_zones += name != before
+        before = name
+    ensure(n_zones <= c.ZONES_MAX, "wrong number of zones")
+
+
 def _task_status(meta, ended):
     code(c.TaskState, meta.state, "state")
     code(c.EndReason, meta.reason, "reason")
@@ -316,6 +356,7 @@ CHECKS = {
     c.TASK_GOAL: _task,
     c.TASK_STATUS: _task_status,
     c.TASK_POSE: _pose_estimate,
+    c.TASK_ZONES: _zones,
     c.CONTROL_VELOCITY_REQUEST: _velocity_request,
     c.ROBOT_VELOCITY_COMMAND: _velocity_command,
     c.DEBUG_ROLLOUTS: _rollouts,

@@ -55,8 +55,9 @@ drives! {
 }
 
 /// What other tests of this folder drive.
-const ELSEWHERE: [&str; 12] = [
+const ELSEWHERE: [&str; 14] = [
     "blocked_aisle",
+    "closed_aisle",
     "crossing_cart",
     "crossing_walkers",
     "door_closes",
@@ -68,6 +69,7 @@ const ELSEWHERE: [&str; 12] = [
     "swap_planner",
     "unsealed",
     "u_trap",
+    "zone_around_robot",
 ];
 
 #[test]

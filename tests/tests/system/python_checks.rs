@@ -18,6 +18,7 @@ use zeronav_msgs::run::{RunClock, RunControl, RunMode, Seat};
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::task::{Goal, GoalEnd, Task, TaskKind, TaskState, TaskStatus};
 use zeronav_msgs::topics::{Envelope, Topic, TopicRow, TopicVisitor, decode, seal, visit_topics};
+use zeronav_msgs::zones::{ZoneKind, ZonePart, Zones};
 use zeronav_tests::python::python;
 
 /// Bytes of header, fixed fields and first item that are changed; an item of the map is larger, and
@@ -62,6 +63,16 @@ fn right(topic: &str) -> (Vec<u8>, Vec<Vec<u8>>) {
                 ..Goal::default()
             };
             bytes(bytes_of(&task), &[bytes_of(&goal), bytes_of(&goal)])
+        }
+        "zones" => {
+            let zones = Zones {
+                revision: 1,
+                n_parts: 2,
+                ..Zones::default()
+            };
+            let corners = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]];
+            let part = ZonePart::new("ramp", ZoneKind::SpeedLimit, 0.3, &corners);
+            bytes(bytes_of(&zones), &[bytes_of(&part), bytes_of(&part)])
         }
         "status" => {
             let status = TaskStatus {

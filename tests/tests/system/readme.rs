@@ -216,6 +216,7 @@ fn topics_of_main(folder: &str) -> BTreeSet<String> {
         ("Tasks", "tasks"),
         ("MapInput", "map_input"),
         ("OdometryReader", "odometry"),
+        ("ZoneInput", "zone_input"),
     ] {
         if found.contains(reader) {
             found.extend(identifiers(&page(&format!("services/shell/src/{file}.rs"))));

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use zeronav_msgs::topics::{
     MapKeyframe, MapUpdate, PlanPath, PlanRequests, RobotCommand, RobotDescription, RobotOdometry,
-    RobotScan, RunClockTopic, SPANS, SimForesight, TaskState, Topic, topics,
+    RobotScan, RunClockTopic, SPANS, SimForesight, TaskState, TaskZones, Topic, topics,
 };
 use zeronav_tests::{Ended, Zeronav, leftovers, quiet_turn, real_time_turn, zeronav};
 
@@ -198,10 +198,10 @@ fn table_shows_every_topic_and_who_is_there() {
     assert_eq!(ports_now.len(), names.len());
     for name in &names {
         let (writers, readers) = ports_now[*name];
-        // What will be is told in runs that measure, and in no other.
+        // What will be is told in runs that measure, and zones where there are any.
         let wanted = match *name {
             name if name == SPANS.name => 5,
-            name if name == SimForesight::ROW.name => 0,
+            name if [SimForesight::ROW.name, TaskZones::ROW.name].contains(&name) => 0,
             _ => 1,
         };
         assert_eq!(writers, wanted, "{name}");

@@ -31,14 +31,9 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
         }
         RequestCause::None => "The local planner follows the path; it tells no more.".to_owned(),
         RequestCause::Free => free(request, moment.command.as_ref()),
-        RequestCause::Goal => {
-            format!("The local planner slows down for the end of the path, to {limit}.")
-        }
-        RequestCause::SpeedZone => {
-            format!("The local planner slows down for the speed limit of a zone, to {limit}.")
-        }
-        RequestCause::Corner => {
-            format!("The local planner slows down for a corner of the path, to {limit}.")
+        RequestCause::Goal | RequestCause::SpeedZone | RequestCause::Corner => {
+            let what = limiting(request.cause);
+            format!("The local planner slows down for {what}, to {limit}.")
         }
         RequestCause::Critics
         | RequestCause::ClearanceCritic
@@ -93,6 +88,15 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
     };
     let way = moment.path.as_ref().map_or_else(String::new, way);
     format!("{cause}{way}")
+}
+
+/// What of the way limits the speed.
+const fn limiting(cause: RequestCause) -> &'static str {
+    match cause {
+        RequestCause::Goal => "the end of the path",
+        RequestCause::SpeedZone => "the speed limit of a zone",
+        _ => "a corner of the path",
+    }
 }
 
 /// Why the controller prefers a slower motion.

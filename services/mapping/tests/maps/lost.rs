@@ -72,6 +72,8 @@ impl Robot {
             goal: None,
             told: None,
         });
+        // After the answer.
+        self.mapping.check();
         assert_eq!(self.certainty().is_known(), !self.mapping.is_uncertain());
     }
 
