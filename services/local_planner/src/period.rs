@@ -332,8 +332,7 @@ impl LocalPlanner {
         let (_, map) = inputs.map.ok_or(stale(StaleInput::Map))?;
         let map_from_base = map_from_base.ok_or(stale(StaleInput::Map))?;
         let (robot, corners) = inputs.robot.ok_or((Validity::Stale, None))?;
-        let seeker = self.seeker.as_mut();
-        let sought = seeker.and_then(|seeker| seeker.decide(inputs, self.last));
+        let sought = (self.seeker.as_mut()).and_then(|seeker| seeker.decide(inputs, self.last));
         if !inputs.certainty.is_known() {
             let sought = sought.ok_or(stale(StaleInput::Pose))?;
             self.pilot

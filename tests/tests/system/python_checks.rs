@@ -25,6 +25,14 @@ use zeronav_tests::python::python;
 /// all its cells are alike.
 const CHANGED_BYTES: usize = 176;
 
+fn two_parts() -> Zones {
+    Zones {
+        revision: 1,
+        n_parts: 2,
+        ..Zones::default()
+    }
+}
+
 /// Fixed fields and items of a message that is accepted, as bytes; empty where zeros are.
 fn right(topic: &str) -> (Vec<u8>, Vec<Vec<u8>>) {
     let bytes = |meta: &[u8], items: &[&[u8]]| {
@@ -65,13 +73,8 @@ fn right(topic: &str) -> (Vec<u8>, Vec<Vec<u8>>) {
             bytes(bytes_of(&task), &[bytes_of(&goal), bytes_of(&goal)])
         }
         "zones" => {
-            let zones = Zones {
-                revision: 1,
-                n_parts: 2,
-                ..Zones::default()
-            };
-            let corners = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]];
-            let part = ZonePart::new("ramp", ZoneKind::SpeedLimit, 0.3, &corners);
+            let zones = two_parts();
+            let part = ZonePart::new("ramp", ZoneKind::SpeedLimit, 0.3, &[[1.0; 2]; 3]);
             bytes(bytes_of(&zones), &[bytes_of(&part), bytes_of(&part)])
         }
         "status" => {

@@ -7,6 +7,9 @@ use zeronav_msgs::command::{RecoveryReason, RequestCause, Validity};
 /// [m/s] below its limit at which a robot is still getting faster.
 const SPEEDING_UP_MPS: f64 = 0.02;
 
+const SEEKS_POSE: &str = "The robot does not know where it is: it looks around, turns on the spot and drives short ways in free sight, \
+                          until one place alone fits what it has seen.";
+
 /// Why the robot drives as it does, or does not although it has a path.
 pub(super) fn driving(request: &Request, moment: &Moment) -> String {
     let limit = format!("{:.2} m/s", request.limit_mps);
@@ -32,8 +35,10 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
         RequestCause::None => "The local planner follows the path; it tells no more.".to_owned(),
         RequestCause::Free => free(request, moment.command.as_ref()),
         RequestCause::Goal | RequestCause::SpeedZone | RequestCause::Corner => {
-            let what = limiting(request.cause);
-            format!("The local planner slows down for {what}, to {limit}.")
+            format!(
+                "The local planner slows down for {}, to {limit}.",
+                limiting(request.cause)
+            )
         }
         RequestCause::Critics
         | RequestCause::ClearanceCritic
@@ -52,11 +57,7 @@ pub(super) fn driving(request: &Request, moment: &Moment) -> String {
             "The local planner slows down to {limit} because {} is getting old.",
             input(request.input)
         ),
-        RequestCause::SeekPose => {
-            return "The robot does not know where it is: it looks around, turns on the spot and drives short ways in \
-                    free sight, until one place alone fits what it has seen."
-                .to_owned();
-        }
+        RequestCause::SeekPose => return SEEKS_POSE.to_owned(),
         RequestCause::Heading => format!(
             "The robot faces away from the path: the local planner slows down to {limit} until it \
              faces it."
