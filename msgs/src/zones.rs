@@ -65,7 +65,7 @@ message! {
         pub name: [u8; 32],
         /// [m] x and y of the corners, `map` frame; those beyond `n_corners` are 0.
         pub corners_m: [[f64; 2]; 16],
-        /// [number] By kind: m/s, percent, or a cost of 1 to 252; 0 for a keepout zone.
+        /// [m/s, -] by kind: a speed, percent, or a cost of 1 to 252; 0 for a keepout zone.
         pub value: f64,
         /// Code of [`ZoneKind`].
         pub kind: u16,

@@ -9,7 +9,9 @@ use zeronav_msgs::map::{MapCell, MapInfo, MapTile};
 use zeronav_msgs::message::Wire;
 use zeronav_msgs::path::{Path, Waypoint};
 use zeronav_msgs::span::Span;
-use zeronav_msgs::topics::{MapKeyframe, RobotScan, SPANS, SimForesight, Topic, TopicRow, topics};
+use zeronav_msgs::topics::{
+    MapKeyframe, RobotScan, SPANS, SimForesight, TaskZones, Topic, TopicRow, topics,
+};
 
 /// Name, bytes of header and fixed fields, bytes of an item, schema hash.
 const GOLDEN: &[(&str, usize, usize, u64)] = &[
@@ -90,7 +92,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
 #[test]
 fn numbers_and_names_are_unique_and_every_schema_differs() {
     let rows = topics();
-    assert_eq!(rows.len(), 25);
+    assert_eq!(rows.len(), 26);
     for (n, row) in rows.iter().enumerate() {
         assert!(
             row.number < zeronav_msgs::topics::EVENT_NEED_KEYFRAME,
@@ -107,7 +109,7 @@ fn numbers_and_names_are_unique_and_every_schema_differs() {
 
 #[test]
 fn the_memory_of_a_default_run_fits_a_container() {
-    // 600 x 400 cells, 360 beams, one writer per topic but five of spans. Nobody is told what will be.
+    // 600 x 400 cells, 360 beams, one writer per topic but five of spans. Nobody is told what will be, and there are no zones.
     let len = |row: &TopicRow| match row.number {
         number if number == MapKeyframe::ROW.number => 19 * 13,
         number if number == RobotScan::ROW.number => 360,
@@ -115,7 +117,7 @@ fn the_memory_of_a_default_run_fits_a_container() {
     };
     let writers = |row: &TopicRow| match row.number {
         number if number == SPANS.number => 5,
-        number if number == SimForesight::ROW.number => 0,
+        number if [SimForesight::ROW.number, TaskZones::ROW.number].contains(&number) => 0,
         _ => 1,
     };
     let bytes: usize = topics()

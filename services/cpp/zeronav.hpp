@@ -1836,7 +1836,7 @@ struct ZonePart {
     std::uint8_t name[32]{};
     /// [m] x and y of the corners, `map` frame; those beyond `n_corners` are 0.
     double corners_m[16][2]{};
-    /// [number] By kind: m/s, percent, or a cost of 1 to 252; 0 for a keepout zone.
+    /// [m/s, -] by kind: a speed, percent, or a cost of 1 to 252; 0 for a keepout zone.
     double value{};
     /// Code of `ZoneKind`.
     std::uint16_t kind{};

@@ -124,8 +124,8 @@ fn tiles() {
     assert_eq!(changed(|it| it.tile_y = 1), out("tile"));
     assert_eq!(changed(|it| it.cells[1023].clearance_mm = 500), Ok(()));
     assert_eq!(changed(|it| it.cells[1023].clearance_mm = 501), out("cell"));
-    assert_eq!(changed(|it| it.cells[0].flags = 0b1_1111), Ok(()));
-    assert_eq!(changed(|it| it.cells[0].flags = 0b10_0000), out("cell"));
+    assert_eq!(changed(|it| it.cells[0].flags = 0b11_1111), Ok(()));
+    assert_eq!(changed(|it| it.cells[0].flags = 0b100_0000), out("cell"));
 }
 
 /// Costs as Nav2 has them, at both sides of every step.
@@ -315,7 +315,7 @@ fn paths() {
     assert_eq!(coded(|it| it.status = 11), Err(Refusal::Code("status")));
     assert_eq!(coded(|it| it.cause = 7), Err(Refusal::Code("cause")));
     assert_eq!(coded(|it| it.block = 6), Err(Refusal::Code("block")));
-    assert_eq!(coded(|it| it.source = 5), Err(Refusal::Code("source")));
+    assert_eq!(coded(|it| it.source = 6), Err(Refusal::Code("source")));
     assert_eq!(
         coded(|it| it.planner = Path::planner_bytes("theta_star")),
         Ok(())

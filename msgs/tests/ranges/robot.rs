@@ -55,7 +55,7 @@ fn commands() {
     };
     assert_eq!(beam(4096), Ok(()));
     assert_eq!(beam(4097), Err(Refusal::OutOfRange("beam")));
-    let [validity, intervention] = [7, 8].map(|code| {
+    let [validity, intervention] = [7, 11].map(|code| {
         let command = VelocityCommand::default();
         (
             VelocityCommand {

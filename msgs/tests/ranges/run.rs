@@ -108,14 +108,14 @@ fn states_of_tasks() {
         (
             "reason",
             TaskStatus {
-                reason: 7,
+                reason: 8,
                 ..status
             },
             end,
         ),
         ("cause", TaskStatus { cause: 4, ..status }, end),
         ("end.state", status, GoalEnd { state: 5, ..end }),
-        ("end.reason", status, GoalEnd { reason: 7, ..end }),
+        ("end.reason", status, GoalEnd { reason: 8, ..end }),
     ] {
         assert_eq!(status.check(&[end]), Err(Refusal::Code(field)));
     }

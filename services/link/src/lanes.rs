@@ -145,7 +145,7 @@ fn bit(row: &TopicRow) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeronav_msgs::topics::{ControlRequest, MapUpdate, topics};
+    use zeronav_msgs::topics::{ControlRequest, MapUpdate, PlanPath, topics};
 
     #[test]
     fn every_topic_has_a_lane_and_a_bit_of_its_own() {
@@ -167,7 +167,7 @@ mod tests {
         let guard = read_by(&[Role::CollisionGuard]);
         assert_eq!(guard & bit(RunControlTopic::ROW), bit(RunControlTopic::ROW));
         assert_ne!(guard & bit(ControlRequest::ROW), 0);
-        assert_eq!(guard & bit(MapUpdate::ROW), 0);
+        assert_eq!(guard & bit(PlanPath::ROW), 0);
         assert_ne!(read_by(&[Role::GlobalPlanner]) & bit(MapUpdate::ROW), 0);
     }
 }

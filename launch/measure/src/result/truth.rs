@@ -23,12 +23,17 @@ pub struct PoseResult {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub known_last: Option<bool>,
     /// How often the robot no longer knew where it was.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub lost: usize,
     /// True place and yaw of the robot at the last scan, `map` frame. [m, m, rad]
     pub true_pose_last: [f64; 3],
     /// Largest distance of the odometry alone from the true place. [m]
     pub odometry_error_m_max: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+const fn is_zero(n: &usize) -> bool {
+    *n == 0
 }
 
 /// How well mapping followed what moved.

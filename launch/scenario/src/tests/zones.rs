@@ -80,7 +80,7 @@ fn a_goal_in_a_keepout_zone_is_rejected_with_the_nearest_pose_outside() {
                   polygon = [[8.0, 0.0], [10.0, 0.0], [10.0, 2.0], [8.0, 2.0]]\n";
     let goal = "pose = [9.0, 1.0, 0]\n";
     let why = "(9, 1) lies in the keepout zone `dock`; the nearest free pose is [";
-    refused(goal, &format!("{goal}{closed}"), 29, "goals[0].pose", why);
+    refused(goal, &format!("{goal}{closed}"), 25, "goals[0].pose", why);
     // The robot may begin in one, and a goal that is said to be unreachable may lie there.
     let started = GOOD.replace("start = [1.0, 2.0, 0.5]", "start = [9.0, 1.0, 0.0]");
     let started = started.replace(goal, "pose = [2.0, 2.0, 0]\n");
@@ -104,7 +104,7 @@ fn a_mask_is_found_beside_the_scenario_and_named_when_it_is_wrong() {
         .and_then(|scenario| scenario.validate());
     let error = error.unwrap_err().to_string();
     assert!(
-        error.contains(":31: zones[0].mask: ") && error.contains("masks/floor.yaml"),
+        error.contains(":28: zones[0].mask: ") && error.contains("masks/floor.yaml"),
         "{error}"
     );
     let yaml = "image: floor.pgm\nresolution: 0.5\norigin: [2.0, 3.0, 0.0]\nnegate: 0\n\
