@@ -175,7 +175,11 @@ impl Relocaliser {
             range_m_max: config.obstacle_range_m,
             room_m,
             watch: LostWatch::default(),
-            is_told: config.localisation.map_from_odom != [0.0; 3],
+            is_told: config
+                .localisation
+                .map_from_odom
+                .iter()
+                .any(|it| it.abs() > 0.0),
             stage: Stage::Known,
             sought: Sought::Not,
             uncertain_s: 0.0,

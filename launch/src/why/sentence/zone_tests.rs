@@ -7,9 +7,9 @@ use zeronav_msgs::command::{Intervention, RequestCause, Validity};
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathStatus;
 
-fn zone(name: &str, limit_mps: Option<f64>) -> Option<Zone> {
+fn zone(name: &str, limit_mps: Option<f64>) -> Zone {
     let name = name.to_owned();
-    Some(Zone { name, limit_mps })
+    Zone { name, limit_mps }
 }
 
 /// A robot whose guard did that because of a zone.
@@ -30,7 +30,7 @@ fn held(intervention: Intervention, zone: Option<Zone>) -> Moment {
 fn a_zone_is_named_with_what_it_asks_for() {
     let around = Around::default();
     let slow = Moment {
-        zone: zone("ramp", Some(0.3)),
+        zone: Some(zone("ramp", Some(0.3))),
         ..standing(Validity::Drive, RequestCause::SpeedZone)
     };
     let words = [
@@ -38,13 +38,13 @@ fn a_zone_is_named_with_what_it_asks_for() {
         "Slow: zone `ramp`, 0.3 m/s.",
     ];
     says(&slow, &around, &words);
-    let slowed = held(Intervention::ZoneSlowed, zone("ramp", Some(0.3)));
+    let slowed = held(Intervention::ZoneSlowed, Some(zone("ramp", Some(0.3))));
     says(
         &slowed,
         &around,
         &["collision guard slows down", "Slow: zone `ramp`, 0.3 m/s."],
     );
-    let stopped = held(Intervention::ZoneStopped, zone("wet floor", None));
+    let stopped = held(Intervention::ZoneStopped, Some(zone("wet floor", None)));
     says(
         &stopped,
         &around,
@@ -59,14 +59,14 @@ fn a_zone_is_named_with_what_it_asks_for() {
     let mut closed = standing(Validity::NoPath, RequestCause::None);
     let mut none = path(PathStatus::Unreachable);
     none.source = ObstacleSource::Keepout;
-    (closed.path, closed.zone) = (Some(none), zone("dock", None));
+    (closed.path, closed.zone) = (Some(none), Some(zone("dock", None)));
     says(&closed, &around, &["Stopped: zone `dock`, keepout."]);
 }
 
 #[test]
 fn a_zone_that_is_not_what_the_stages_speak_of_is_not_named() {
     let moment = Moment {
-        zone: zone("ramp", Some(0.3)),
+        zone: Some(zone("ramp", Some(0.3))),
         ..standing(Validity::Drive, RequestCause::Corner)
     };
     assert!(!super::why(&moment, &Around::default()).contains("ramp"));
