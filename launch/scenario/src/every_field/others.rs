@@ -8,38 +8,6 @@ description = "d"
 group = "g"
 start = [1.0, 2.0, 0.5]
 static_map = true
-[[zones]]
-name = "keepout"
-kind = "keepout"
-polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
-mask = "floor.yaml"
-limit_mps = 0.3
-percent = 50.0
-cost = 10.0
-[[zones]]
-name = "speed_limit"
-kind = "speed_limit"
-polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
-mask = "floor.yaml"
-limit_mps = 0.3
-percent = 50.0
-cost = 10.0
-[[zones]]
-name = "cost"
-kind = "cost"
-polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
-mask = "floor.yaml"
-limit_mps = 0.3
-percent = 50.0
-cost = 10.0
-[[zones]]
-name = "lane"
-kind = "lane"
-polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
-mask = "floor.yaml"
-limit_mps = 0.3
-percent = 50.0
-cost = 10.0
 [run]
 time_limit_s = 10.0
 tick_hz = 50.0
