@@ -47,6 +47,7 @@ pub mod truth;
 pub mod user;
 pub mod window;
 pub mod zone_set;
+mod zone_shape;
 pub mod zones;
 
 pub use grid::{Cell, CellRect, GridGeometry};

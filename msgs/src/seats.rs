@@ -24,6 +24,8 @@ pub struct SeatRow {
     pub role: Role,
     /// Topics that the stock service reads.
     pub reads: &'static [&'static TopicRow],
+    /// Those of them that it opens when it needs them; the others it has open when it is ready.
+    pub reads_at_need: &'static [&'static TopicRow],
     /// Ticks that it answers.
     pub answers: Answers,
     /// Roles whose answer to the same tick it waits for in lockstep.
@@ -56,6 +58,7 @@ pub static SEATS: [SeatRow; 5] = [
     SeatRow {
         role: Role::Robot,
         reads: &[RobotCommand::ROW, SimPlacement::ROW],
+        reads_at_need: &[],
         answers: Answers::EveryTick,
         after: &[],
         owes: &[RobotOdometry::ROW],
@@ -74,6 +77,7 @@ pub static SEATS: [SeatRow; 5] = [
             TaskZones::ROW,
             SimForesight::ROW,
         ],
+        reads_at_need: &[SimForesight::ROW],
         answers: Answers::TicksWithScan,
         after: &[],
         owes: &[MapObstacles::ROW, MapUpdate::ROW],
@@ -91,6 +95,7 @@ pub static SEATS: [SeatRow; 5] = [
             TaskGoal::ROW,
             TaskState::ROW,
         ],
+        reads_at_need: &[],
         answers: Answers::TicksWithScan,
         after: &[Role::Mapping],
         owes: &[PlanPath::ROW],
@@ -113,6 +118,7 @@ pub static SEATS: [SeatRow; 5] = [
             TaskZones::ROW,
             SimForesight::ROW,
         ],
+        reads_at_need: &[SimForesight::ROW],
         answers: Answers::EveryTick,
         after: &[Role::Mapping, Role::GlobalPlanner],
         owes: &[ControlRequest::ROW],
@@ -129,6 +135,7 @@ pub static SEATS: [SeatRow; 5] = [
             TaskZones::ROW,
             MapUpdate::ROW,
         ],
+        reads_at_need: &[MapUpdate::ROW],
         answers: Answers::EveryTick,
         after: &[Role::LocalPlanner],
         owes: &[RobotCommand::ROW],

@@ -1,31 +1,16 @@
 //! The zones as a reader keeps them, and what they ask of a place.
 
+use crate::zone_shape::{Part, Segment, distance_m};
 use crate::zones::{ZoneKind, ZonePart, Zones};
-use nalgebra::{Point2, Vector2};
-
-/// Directions in which the way out of a zone is looked for.
-const WAYS_OUT: u32 = 32;
-
-/// Farthest way out that is told apart. [m]
-const WAY_OUT_M_MAX: f64 = 1.0e4;
-
-/// Gap between two parts on a way out that counts as none: neighbours of a mask share an edge. [m]
-const SEAM_M: f64 = 1.0e-3;
+use nalgebra::Point2;
 
 /// All zones of one revision; the default is none at all.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ZoneSet {
     revision: u64,
     parts: Vec<Part>,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-struct Part {
-    message: ZonePart,
-    kind: ZoneKind,
-    /// Smallest upright rectangle around it. [m]
-    min: Point2<f64>,
-    max: Point2<f64>,
+    /// Edge of what all keepout zones cover together. [m]
+    keepout_edge: Vec<Segment>,
 }
 
 /// A speed limit and the zone that asks for it.
@@ -37,123 +22,22 @@ pub struct SpeedZone<'a> {
     pub limit_mps: f64,
 }
 
-impl Part {
-    fn of(message: &ZonePart) -> Option<Self> {
-        let kind = message.kind()?;
-        let mut min = Point2::new(f64::INFINITY, f64::INFINITY);
-        let mut max = -min;
-        for [x_m, y_m] in message.corners() {
-            min = Point2::new(min.x.min(*x_m), min.y.min(*y_m));
-            max = Point2::new(max.x.max(*x_m), max.y.max(*y_m));
-        }
-        Some(Self {
-            message: *message,
-            kind,
-            min,
-            max,
-        })
-    }
-
-    /// No farther than this from the point lies the rectangle around it. [m]
-    fn is_within(&self, at: Point2<f64>, reach_m: f64) -> bool {
-        at.x >= self.min.x - reach_m
-            && at.x <= self.max.x + reach_m
-            && at.y >= self.min.y - reach_m
-            && at.y <= self.max.y + reach_m
-    }
-
-    fn edges(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>)> + '_ {
-        let corners = self.message.corners();
-        let next = corners.iter().cycle().skip(1);
-        let pairs = corners.iter().zip(next);
-        pairs.map(|(from, to)| (Point2::from(*from), Point2::from(*to)))
-    }
-
-    /// True for a point inside; crossing number, half-open in y.
-    fn contains(&self, at: Point2<f64>) -> bool {
-        self.is_within(at, 0.0)
-            && self.edges().fold(false, |inside, (from, to)| {
-                let crosses = (from.y > at.y) != (to.y > at.y)
-                    && at.x < from.x + (at.y - from.y) / (to.y - from.y) * (to.x - from.x);
-                inside ^ crosses
-            })
-    }
-
-    /// From the point to the nearest edge. [m]
-    fn edge_distance_m(&self, at: Point2<f64>) -> f64 {
-        let distances = self.edges().map(|(from, to)| {
-            let along = to - from;
-            let length = along.norm_squared();
-            let share = if length > 0.0 {
-                ((at - from).dot(&along) / length).clamp(0.0, 1.0)
-            } else {
-                0.0
-            };
-            (from + along * share - at).norm()
-        });
-        distances.fold(f64::INFINITY, f64::min)
-    }
-
-    /// Where a ray is inside: adds pairs of distances from its origin. [m]
-    fn spans(&self, origin: Point2<f64>, towards: Vector2<f64>, spans: &mut Vec<[f64; 2]>) {
-        let mut crossings: Vec<f64> = Vec::new();
-        for (from, to) in self.edges() {
-            let (a, b) = (towards.perp(&(from - origin)), towards.perp(&(to - origin)));
-            if (a > 0.0) != (b > 0.0) {
-                let at = from + (to - from) * (a / (a - b));
-                crossings.push((at - origin).dot(&towards));
-            }
-        }
-        crossings.sort_by(f64::total_cmp);
-        let pairs = crossings.chunks_exact(2).filter(|pair| pair[1] >= 0.0);
-        spans.extend(pairs.map(|pair| [pair[0], pair[1]]));
-    }
-
-    /// True when the polygon and the upright square of that side around a point have a point in common.
-    fn touches_square(&self, centre: Point2<f64>, half_m: f64) -> bool {
-        if !self.is_within(centre, half_m) {
-            return false;
-        }
-        let is_in = |at: Point2<f64>| (at - centre).amax() <= half_m;
-        self.contains(centre)
-            || self
-                .edges()
-                .any(|(from, to)| is_in(from) || clips(from - centre, to - centre, half_m))
-    }
-}
-
-/// True when a segment crosses the upright square of that half side around the origin; Liang and
-/// Barsky, "A new concept and method for line clipping" (1984).
-fn clips(from: Vector2<f64>, to: Vector2<f64>, half_m: f64) -> bool {
-    let along = to - from;
-    let (mut first, mut last) = (0.0_f64, 1.0_f64);
-    for (step, room) in [
-        (-along.x, from.x + half_m),
-        (along.x, half_m - from.x),
-        (-along.y, from.y + half_m),
-        (along.y, half_m - from.y),
-    ] {
-        if step == 0.0 {
-            if room < 0.0 {
-                return false;
-            }
-        } else if step < 0.0 {
-            first = first.max(room / step);
-        } else {
-            last = last.min(room / step);
-        }
-    }
-    first <= last
-}
-
 impl ZoneSet {
     /// The zones of a message that [`Zones::check`] has accepted.
     #[must_use]
     pub fn of(zones: &Zones, parts: &[ZonePart]) -> Self {
-        Self {
+        let mut set = Self {
             revision: zones.revision,
             parts: parts.iter().filter_map(Part::of).collect(),
+            keepout_edge: Vec::new(),
+        };
+        let mut edge = Vec::new();
+        let keepouts: Vec<&Part> = set.keepouts().collect();
+        for part in &keepouts {
+            part.open_edges(&keepouts, &mut edge);
         }
+        set.keepout_edge = edge;
+        set
     }
 
     /// Revision of the message; 0 = none has come.
@@ -259,33 +143,17 @@ impl ZoneSet {
         all.min_by(|one, other| one.1.total_cmp(&other.1))
     }
 
-    /// How far a point is outside of all keepout zones; inside, below 0, how far it is to the way out
-    /// that is the shortest of 32 directions, through all parts that lie on it. Infinite without one. [m]
+    /// How far a point is outside of all keepout zones; inside, below 0, how far it is to the nearest place outside of
+    /// all of them. Infinite without one. [m]
     #[must_use]
     pub fn keepout_margin_m(&self, at: Point2<f64>) -> f64 {
-        if self.keepout_at(at).is_none() {
-            let edges = self.keepouts().map(|part| part.edge_distance_m(at));
-            return edges.fold(f64::INFINITY, f64::min);
+        let distances = self.keepout_edge.iter().map(|edge| distance_m(edge, at));
+        let least_m = distances.fold(f64::INFINITY, f64::min);
+        if self.keepout_at(at).is_some() {
+            -least_m
+        } else {
+            least_m
         }
-        let mut spans = Vec::new();
-        let ways = (0..WAYS_OUT).map(|n| {
-            let (sin, cos) =
-                (core::f64::consts::TAU * f64::from(n) / f64::from(WAYS_OUT)).sin_cos();
-            spans.clear();
-            for part in self.keepouts() {
-                part.spans(at, Vector2::new(cos, sin), &mut spans);
-            }
-            spans.sort_by(|one, other| one[0].total_cmp(&other[0]));
-            let ahead = spans.iter().fold(0.0_f64, |out_m, [from_m, until_m]| {
-                if *from_m <= out_m + SEAM_M {
-                    out_m.max(*until_m)
-                } else {
-                    out_m
-                }
-            });
-            ahead.min(WAY_OUT_M_MAX)
-        });
-        -ways.fold(WAY_OUT_M_MAX, f64::min)
     }
 
     /// True when a keepout zone and the upright square of that half side around a point have a point
@@ -325,6 +193,9 @@ impl ZoneSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::zone_shape::SEAM_M;
+    use core::f64::consts::TAU;
+    use nalgebra::Vector2;
 
     fn set(parts: &[ZonePart]) -> ZoneSet {
         let zones = Zones {
@@ -374,13 +245,55 @@ mod tests {
             "on the seam: {}",
             at(1.0, 1.0)
         );
-        assert!(
-            (at(0.9, 2.0) + 1.06).abs() < 0.1,
-            "across: {}",
-            at(0.9, 2.0)
-        );
+        // To the corner where mask and bar meet.
+        let across = at(0.9, 2.0);
+        assert!((across + 0.9_f64.hypot(0.5)).abs() < 1e-6, "{across}");
+        assert_eq!(zones.keepout_edge.len(), 14, "what they cover is a cross");
         assert_eq!(zones.keepout_at(Point2::new(-0.5, 2.0)), Some("bar"));
         assert!(set(&[]).keepout_margin_m(Point2::origin()).is_infinite());
+    }
+
+    /// Whatever zones overlap, the margin is that of the nearest place that is none's, and changes by no more than the
+    /// way between two places.
+    #[test]
+    fn the_margin_of_any_zones_is_a_distance() {
+        let wedge = [[0.0, 0.0], [4.0, 1.0], [3.0, 4.0], [1.9, 1.2]];
+        let clockwise = [[-1.0, 0.5], [-1.0, 1.5], [2.5, 1.5], [2.5, 0.5]];
+        let zones = set(&[
+            ZonePart::new("wedge", ZoneKind::Keepout, 0.0, &wedge),
+            ZonePart::new("bar", ZoneKind::Keepout, 0.0, &clockwise),
+            rect("box", ZoneKind::Keepout, 0.0, [2.0, 0.0, 5.0, 2.0]),
+            rect("limit", ZoneKind::SpeedLimit, 0.3, [-3.0, -3.0, 9.0, 9.0]),
+        ]);
+        let places: Vec<Point2<f64>> = (0..4900)
+            .map(|n| {
+                Point2::new(
+                    f64::from(n % 70) * 0.11 - 1.5,
+                    f64::from(n / 70) * 0.09 - 1.0,
+                )
+            })
+            .collect();
+        let outside = |at: &&Point2<f64>| zones.keepout_at(**at).is_none();
+        let free: Vec<_> = places.iter().filter(outside).collect();
+        for at in &places {
+            let margin_m = zones.keepout_margin_m(*at);
+            assert_eq!(margin_m < 0.0, zones.keepout_at(*at).is_some(), "{at}");
+            if margin_m < 0.0 {
+                let nearest_m = free.iter().map(|it| (*it - at).norm());
+                let nearest_m = nearest_m.fold(f64::INFINITY, f64::min);
+                assert!(-margin_m <= nearest_m + 1e-9, "{at} {margin_m} {nearest_m}");
+                // As far away there is a place that is free.
+                let around = (0..20_000).map(|n| {
+                    let (sin, cos) = (f64::from(n) * TAU / 20_000.0).sin_cos();
+                    at + Vector2::new(cos, sin) * (3.0 * SEAM_M - margin_m)
+                });
+                let mut free = around.filter(|it| zones.keepout_at(*it).is_none());
+                assert!(free.next().is_some(), "{at} {margin_m}");
+            }
+            let beside = at + Vector2::new(0.006, -0.008);
+            let change_m = (zones.keepout_margin_m(beside) - margin_m).abs();
+            assert!(change_m <= 0.01 + 2.0 * SEAM_M, "{at} {change_m}");
+        }
     }
 
     #[test]

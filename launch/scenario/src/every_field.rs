@@ -252,10 +252,8 @@ fn every_misspelt_field_is_found_and_no_field_is_left_out() {
             let known = &fields[&(way.sort(), kind)];
             for field in quoted(expected) {
                 let bases = place.is_empty() && ["base", "variant", "variants"].contains(&field);
-                // What a zone takes depends on its kind: its own tests have all of it.
-                let of_kind = place == "zones[]";
                 assert!(
-                    bases || of_kind || known.contains(field),
+                    bases || known.contains(field),
                     "no test has {place}.{field}"
                 );
             }

@@ -56,10 +56,13 @@ impl Collector {
         })
     }
 
-    /// Takes in which cell leaves no path, when a keepout zone closes it.
+    /// Takes in which cell leaves no path, when a keepout zone closes it; of a goal that has ended it stays known.
     pub(super) fn closed(&mut self, path: &zeronav_msgs::path::Path) {
+        if path.status() == Some(PathStatus::NoGoal) {
+            return;
+        }
         let is_zone = ObstacleSource::from_code(path.source) == Some(ObstacleSource::Keepout);
-        let fails = !matches!(path.status(), Some(PathStatus::Found | PathStatus::NoGoal));
+        let fails = path.status() != Some(PathStatus::Found);
         self.closed_m = (is_zone && fails).then_some(path.block_m);
     }
 }

@@ -6,7 +6,7 @@
 //! known the lowest limit of all zones holds; of keepout zones nothing can be said then.
 //!
 //! A robot whose outline is in a keepout zone is let out: its centre may go where the way out is no
-//! longer, and turn.
+//! longer, and turn; what it has gained on its way it does not lose again, in another zone neither.
 
 use crate::limits::Limits;
 use core::f64::consts::TAU;
@@ -242,11 +242,17 @@ impl Way<'_> {
         inside(pose.point()) || points.any(|point| inside(pose.transform(*point)))
     }
 
-    /// True when a robot may be at a pose: outside of all keepout zones; one that is in one also where its
-    /// centre has a margin of `floor_m`, so that it may turn.
-    fn may_be(&self, pose: &Pose, floor_m: Option<f64>) -> bool {
-        !self.is_inside(pose)
-            || floor_m.is_some_and(|floor_m| self.zones.keepout_margin_m(pose.point()) >= floor_m)
+    /// True when a robot may go on to a pose: outside of all keepout zones; one that is in one also where the margin of its
+    /// centre is `floor_m`, so that it may turn. From there on the way may lead no farther in again.
+    fn may_go_on(&self, pose: &Pose, floor_m: &mut Option<f64>) -> bool {
+        if !self.is_inside(pose) {
+            *floor_m = None;
+            return true;
+        }
+        let margin_m = self.zones.keepout_margin_m(pose.point());
+        let is_free = floor_m.is_some_and(|floor_m| margin_m >= floor_m);
+        *floor_m = floor_m.map(|floor_m| floor_m.max(margin_m - NOISE_M));
+        is_free
     }
 
     /// True when it may be everywhere on the way, whenever braking begins.
@@ -254,6 +260,7 @@ impl Way<'_> {
         STARTS.iter().all(|share| {
             let obeyed_s = share * self.reaction_s;
             let (mut pose, mut now, mut elapsed_s) = (self.pose, self.measured, 0.0);
+            let mut floor_m = floor_m;
             for _ in 0..STEPS_MAX {
                 let next = if elapsed_s < obeyed_s {
                     self.limits.towards(now, twist, STEP_S)
@@ -261,7 +268,7 @@ impl Way<'_> {
                     self.limits.towards_rest(now, STEP_S)
                 };
                 pose = pose.then(&now.mean(next).arc(STEP_S));
-                if !self.may_be(&pose, floor_m) {
+                if !self.may_go_on(&pose, &mut floor_m) {
                     return false;
                 }
                 (now, elapsed_s) = (next, elapsed_s + STEP_S);

@@ -119,11 +119,15 @@ impl Lanes {
     }
 }
 
-/// Bits of the topics that the seats of `roles` read by the contract: there before any of them says so.
+/// Bits of the topics that the seats of `roles` read by the contract: there before any of them says so, unless they open them
+/// at need.
 #[must_use]
 pub fn read_by(roles: &[Role]) -> u64 {
     let seats = SEATS.iter().filter(|seat| roles.contains(&seat.role));
-    let rows = seats.flat_map(|seat| seat.reads.iter().copied());
+    let rows = seats.flat_map(|seat| {
+        let at_need = |row: &&TopicRow| seat.reads_at_need.iter().any(|it| it.name == row.name);
+        (seat.reads.iter().copied()).filter(move |row| !at_need(row))
+    });
     rows.chain([RunClockTopic::ROW, RunControlTopic::ROW])
         .fold(0, |bits, row| bits | bit(row))
 }
@@ -145,7 +149,7 @@ fn bit(row: &TopicRow) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeronav_msgs::topics::{ControlRequest, MapUpdate, PlanPath, topics};
+    use zeronav_msgs::topics::{ControlRequest, MapUpdate, topics};
 
     #[test]
     fn every_topic_has_a_lane_and_a_bit_of_its_own() {
@@ -167,7 +171,7 @@ mod tests {
         let guard = read_by(&[Role::CollisionGuard]);
         assert_eq!(guard & bit(RunControlTopic::ROW), bit(RunControlTopic::ROW));
         assert_ne!(guard & bit(ControlRequest::ROW), 0);
-        assert_eq!(guard & bit(PlanPath::ROW), 0);
+        assert_eq!(guard & bit(MapUpdate::ROW), 0, "it has no zones yet");
         assert_ne!(read_by(&[Role::GlobalPlanner]) & bit(MapUpdate::ROW), 0);
     }
 }

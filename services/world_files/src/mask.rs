@@ -258,6 +258,8 @@ mod tests {
         );
         let why = of(&format!("{UPRIGHT}type: 1\nbase: .nan\n"), 1, &[0]).unwrap_err();
         assert!(why.contains("mask.yaml: non-finite float"), "{why}");
+        let why = of(&format!("{UPRIGHT}type: 1\nbase: 2.0e6\n"), 1, &[0]).unwrap_err();
+        assert!(why.contains("mask.yaml: base: must be"), "{why}");
         // Every other pixel black: no two are neighbours.
         let chess: Vec<u8> = (0..1600)
             .map(|n| if (n + n / 40) % 2 == 0 { 0 } else { 254 })

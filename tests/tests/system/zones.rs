@@ -178,7 +178,7 @@ fn zones_are_added_listed_and_removed_while_the_stack_runs() {
         1,
     );
     says(&refused, &["keepout zone"]);
-    says(&up.ask(&["why"], 0), &["a keepout zone"]);
+    says(&up.ask(&["why"], 0), &["zone `wet floor`, keepout"]);
     assert_eq!(up.ask(&["zone", "remove", "wet floor"], 0), "removed\n");
     let lines = up.lines(&["goal", "13.2", "4", "0", "--wait"], 0);
     assert_eq!(lines.last().expect("a line")["outcome"], "reached");

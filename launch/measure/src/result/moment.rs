@@ -69,7 +69,7 @@ pub struct Moment {
 pub enum ZoneTold {
     /// The robot is slow in one.
     Slow,
-    /// A keepout zone holds it back, or leaves no path.
+    /// A keepout zone holds it back, leaves no path, or has ended the task.
     Keepout,
 }
 
@@ -85,6 +85,11 @@ impl Moment {
         let cause = self.request.as_ref().map(|request| request.cause);
         let path = self.path.as_ref();
         let has_path = path.is_none_or(|path| path.status == PathStatus::Found);
+        let task = self.task.as_ref();
+        let ended_by = task.and_then(|task| Some(task.blocked.as_ref()?.source));
+        if ended_by == Some(ObstacleSource::Keepout) {
+            return Some(ZoneTold::Keepout);
+        }
         match path.map(|path| path.source) {
             Some(ObstacleSource::Keepout) if !has_path => Some(ZoneTold::Keepout),
             _ => (cause == Some(RequestCause::SpeedZone)).then_some(ZoneTold::Slow),

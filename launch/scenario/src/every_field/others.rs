@@ -1,7 +1,7 @@
 //! Scenarios with the fields that no shipped one has.
 
 /// Fields that no shipped scenario has.
-pub(crate) const OTHERS: [&str; 6] = [
+pub(crate) const OTHERS: [&str; 7] = [
     r#"
 title = "All that is optional"
 description = "d"
@@ -254,5 +254,60 @@ preset = "jackal"
 [foresight]
 perceive = "truth"
 predict = "truth"
+"#,
+    r#"
+title = "Zones: of every number one that is of use, then every field of every kind"
+start = [1.0, 2.0, 0.5]
+[world]
+area_m = [[0.0, 0.0], [10.0, 5.0]]
+[robot]
+preset = "turtlebot3_burger"
+[[zones]]
+name = "slow"
+kind = "speed_limit"
+polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
+limit_mps = 0.3
+[[zones]]
+name = "half"
+kind = "speed_limit"
+polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
+percent = 50.0
+[[zones]]
+name = "wet"
+kind = "cost"
+polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
+cost = 100.0
+[[zones]]
+name = "all of keepout"
+kind = "keepout"
+polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
+mask = "floor.yaml"
+limit_mps = 0.3
+percent = 50.0
+cost = 10.0
+[[zones]]
+name = "all of speed_limit"
+kind = "speed_limit"
+polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
+mask = "floor.yaml"
+limit_mps = 0.3
+percent = 50.0
+cost = 10.0
+[[zones]]
+name = "all of cost"
+kind = "cost"
+polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
+mask = "floor.yaml"
+limit_mps = 0.3
+percent = 50.0
+cost = 10.0
+[[zones]]
+name = "all of lane"
+kind = "lane"
+polygon = [[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
+mask = "floor.yaml"
+limit_mps = 0.3
+percent = 50.0
+cost = 10.0
 "#,
 ];
