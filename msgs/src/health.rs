@@ -45,9 +45,11 @@ pub const REASON_CLOCK: u32 = 1 << 9;
 pub const REASON_PUBLISHERS: u32 = 1 << 10;
 /// Reason bit: the way to the other host, on which the process runs, is cut.
 pub const REASON_LINK: u32 = 1 << 11;
+/// Reason bit: the zones that hold have not come.
+pub const REASON_ZONES: u32 = 1 << 12;
 
 /// The reason bits and a word for each.
-pub const REASONS: [(u32, &str); 12] = [
+pub const REASONS: [(u32, &str); 13] = [
     (REASON_SCAN, "scan"),
     (REASON_ODOMETRY, "odometry"),
     (REASON_MAP, "map"),
@@ -60,6 +62,7 @@ pub const REASONS: [(u32, &str); 12] = [
     (REASON_CLOCK, "clock"),
     (REASON_PUBLISHERS, "publishers"),
     (REASON_LINK, "link"),
+    (REASON_ZONES, "zones"),
 ];
 
 /// The words for a sum of reason bits; unknown bits have none.

@@ -46,8 +46,9 @@ pub mod topics;
 pub mod truth;
 pub mod user;
 pub mod window;
+pub mod zone_marks;
 pub mod zone_set;
-mod zone_shape;
+pub mod zone_shape;
 pub mod zones;
 
 pub use grid::{Cell, CellRect, GridGeometry};

@@ -22,6 +22,32 @@ pub struct SpeedZone<'a> {
     pub limit_mps: f64,
 }
 
+/// Some keepout zones.
+#[derive(Debug, Clone, Default)]
+pub struct Keepouts<'a> {
+    parts: Vec<&'a Part>,
+}
+
+impl Keepouts<'_> {
+    /// True when there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parts.is_empty()
+    }
+
+    /// True when none comes nearer to a point than this. [m]
+    #[must_use]
+    pub fn are_far(&self, at: Point2<f64>, reach_m: f64) -> bool {
+        !self.parts.iter().any(|part| part.is_within(at, reach_m))
+    }
+
+    /// True for a point in one.
+    #[must_use]
+    pub fn hold(&self, at: Point2<f64>) -> bool {
+        self.parts.iter().any(|part| part.contains(at))
+    }
+}
+
 impl ZoneSet {
     /// The zones of a message that [`Zones::check`] has accepted.
     #[must_use]
@@ -67,7 +93,7 @@ impl ZoneSet {
     /// True when there is a zone of that kind.
     #[must_use]
     pub fn has(&self, kind: ZoneKind) -> bool {
-        self.parts.iter().any(|part| part.kind == kind)
+        self.of_kind(kind).next().is_some()
     }
 
     /// True when there is a speed limit.
@@ -109,15 +135,27 @@ impl ZoneSet {
         })
     }
 
-    fn keepouts(&self) -> impl Iterator<Item = &Part> {
-        let parts = self.parts.iter();
-        parts.filter(|part| part.kind == ZoneKind::Keepout)
+    pub(crate) fn of_kind(&self, kind: ZoneKind) -> impl Iterator<Item = &Part> {
+        self.parts.iter().filter(move |part| part.kind == kind)
     }
 
-    /// True when no keepout zone comes nearer to a point than this. [m]
+    /// The largest value of the zones of a kind.
+    pub(crate) fn largest(&self, kind: ZoneKind) -> Option<f64> {
+        let values = self.of_kind(kind).map(|part| part.message.value);
+        values.reduce(f64::max)
+    }
+
+    fn keepouts(&self) -> impl Iterator<Item = &Part> {
+        self.of_kind(ZoneKind::Keepout)
+    }
+
+    /// The keepout zones that come nearer to a point than this, alone. [m]
     #[must_use]
-    pub fn is_far(&self, at: Point2<f64>, reach_m: f64) -> bool {
-        !self.keepouts().any(|part| part.is_within(at, reach_m))
+    pub fn keepouts_near(&self, at: Point2<f64>, reach_m: f64) -> Keepouts<'_> {
+        let parts = self.keepouts().filter(|part| part.is_within(at, reach_m));
+        Keepouts {
+            parts: parts.collect(),
+        }
     }
 
     /// The keepout zone that holds a point.
@@ -154,39 +192,6 @@ impl ZoneSet {
         } else {
             least_m
         }
-    }
-
-    /// True when a keepout zone and the upright square of that half side around a point have a point
-    /// in common. [m]
-    #[must_use]
-    pub fn keeps_out_of_square(&self, centre: Point2<f64>, half_m: f64) -> bool {
-        let mut keepouts = self.keepouts();
-        keepouts.any(|part| part.touches_square(centre, half_m))
-    }
-
-    /// Least cost of a cell around a point by the zones of cost and lanes; 0 = they ask for none.
-    #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "1 to 252, as the check of the message has made sure"
-    )]
-    pub fn least_cost_at(&self, at: Point2<f64>) -> u8 {
-        let (mut inside, mut beside, mut is_on_lane) = (0.0_f64, 0.0_f64, false);
-        for part in &self.parts {
-            match part.kind {
-                ZoneKind::Cost if part.contains(at) => inside = inside.max(part.message.value),
-                ZoneKind::Lane if part.contains(at) => is_on_lane = true,
-                ZoneKind::Lane => beside = beside.max(part.message.value),
-                _ => {}
-            }
-        }
-        let cost = if is_on_lane {
-            inside
-        } else {
-            inside.max(beside)
-        };
-        cost as u8
     }
 }
 
@@ -294,44 +299,6 @@ mod tests {
             let change_m = (zones.keepout_margin_m(beside) - margin_m).abs();
             assert!(change_m <= 0.01 + 2.0 * SEAM_M, "{at} {change_m}");
         }
-    }
-
-    #[test]
-    fn a_zone_without_right_angles_touches_the_cells_that_it_crosses() {
-        let corners = [[0.0, 0.0], [4.0, 1.0], [3.0, 4.0], [1.9, 1.2]];
-        let zones = set(&[ZonePart::new("wedge", ZoneKind::Keepout, 0.0, &corners)]);
-        let touches = |x_m: f64, y_m: f64| zones.keeps_out_of_square(Point2::new(x_m, y_m), 0.05);
-        assert!(touches(3.0, 2.0), "inside");
-        assert!(touches(-0.04, -0.04), "a corner in it");
-        assert!(touches(2.0, 0.46), "an edge through it");
-        assert!(!touches(2.0, 0.3) && !touches(1.0, 2.0) && !touches(5.0, 5.0));
-        // Every square with a point inside is touched.
-        for n in 0..4000 {
-            let at = Point2::new(
-                f64::from(n % 80) * 0.06 - 0.3,
-                f64::from(n / 80) * 0.09 - 0.2,
-            );
-            if zones.keepout_at(at).is_some() {
-                let centre = Point2::new(
-                    (at.x / 0.1).floor() * 0.1 + 0.05,
-                    (at.y / 0.1).floor() * 0.1 + 0.05,
-                );
-                assert!(zones.keeps_out_of_square(centre, 0.05), "{at}");
-            }
-        }
-    }
-
-    #[test]
-    fn lanes_raise_the_cost_beside_them_and_costs_that_inside() {
-        let zones = set(&[
-            rect("lane", ZoneKind::Lane, 80.0, [0.0, 0.0, 10.0, 1.0]),
-            rect("wet", ZoneKind::Cost, 200.0, [4.0, 0.0, 5.0, 3.0]),
-        ]);
-        let at = |x_m: f64, y_m: f64| zones.least_cost_at(Point2::new(x_m, y_m));
-        assert_eq!(
-            [at(1.0, 0.5), at(1.0, 2.0), at(4.5, 0.5), at(4.5, 2.0)],
-            [0, 80, 200, 200]
-        );
     }
 
     #[test]

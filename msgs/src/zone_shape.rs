@@ -7,7 +7,7 @@ use nalgebra::{Point2, Vector2};
 pub(crate) const SEAM_M: f64 = 1.0e-3;
 
 /// From one point to another. [m]
-pub(crate) type Segment = [Point2<f64>; 2];
+pub type Segment = [Point2<f64>; 2];
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Part {
@@ -43,7 +43,7 @@ impl Part {
             && at.y <= self.max.y + reach_m
     }
 
-    fn edges(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>)> + '_ {
+    pub(crate) fn edges(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>)> + '_ {
         let corners = self.message.corners();
         let next = corners.iter().cycle().skip(1);
         let pairs = corners.iter().zip(next);
@@ -116,22 +116,11 @@ impl Part {
             }
         }
     }
-
-    /// True when the polygon and the upright square of that side around a point have a point in common.
-    pub(crate) fn touches_square(&self, centre: Point2<f64>, half_m: f64) -> bool {
-        if !self.is_within(centre, half_m) {
-            return false;
-        }
-        let is_in = |at: Point2<f64>| (at - centre).amax() <= half_m;
-        self.contains(centre)
-            || self
-                .edges()
-                .any(|(from, to)| is_in(from) || clips(from - centre, to - centre, half_m))
-    }
 }
 
 /// From a point to the nearest one of a segment. [m]
-pub(crate) fn distance_m([from, to]: &Segment, at: Point2<f64>) -> f64 {
+#[must_use]
+pub fn distance_m([from, to]: &Segment, at: Point2<f64>) -> f64 {
     let along = to - from;
     let length = along.norm_squared();
     let share = if length > 0.0 {
@@ -140,28 +129,4 @@ pub(crate) fn distance_m([from, to]: &Segment, at: Point2<f64>) -> f64 {
         0.0
     };
     (from + along * share - at).norm()
-}
-
-/// True when a segment crosses the upright square of that half side around the origin; Liang and
-/// Barsky, "A new concept and method for line clipping" (1984).
-fn clips(from: Vector2<f64>, to: Vector2<f64>, half_m: f64) -> bool {
-    let along = to - from;
-    let (mut first, mut last) = (0.0_f64, 1.0_f64);
-    for (step, room) in [
-        (-along.x, from.x + half_m),
-        (along.x, half_m - from.x),
-        (-along.y, from.y + half_m),
-        (along.y, half_m - from.y),
-    ] {
-        if step == 0.0 {
-            if room < 0.0 {
-                return false;
-            }
-        } else if step < 0.0 {
-            first = first.max(room / step);
-        } else {
-            last = last.min(room / step);
-        }
-    }
-    first <= last
 }

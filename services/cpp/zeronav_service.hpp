@@ -37,6 +37,8 @@ struct RunState {
     std::uint8_t lockstep;
     /// 1 when the robot shall stop.
     std::uint8_t stopping;
+    /// 1 when there are zones: a guard that does not know them stops.
+    std::uint8_t zones;
 };
 
 /// Newest odometry.

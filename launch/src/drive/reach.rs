@@ -6,10 +6,12 @@
 
 use nalgebra::Point2;
 use std::collections::VecDeque;
-use zeronav_msgs::MapView;
 use zeronav_msgs::escape::{ESCAPE_M, Escape, Standing};
 use zeronav_msgs::grid::{Cell, GridGeometry};
 use zeronav_msgs::map::{COST_LETHAL, MapCell, ObstacleSource};
+use zeronav_msgs::zone_marks::MARK_KEEPOUT;
+use zeronav_msgs::zones::ZoneKind;
+use zeronav_msgs::{CellRect, MapView, ZoneSet};
 
 /// Cells that the robot can drive to.
 #[derive(Debug)]
@@ -20,13 +22,19 @@ pub(super) struct Reach {
 
 impl Reach {
     /// From `start` in the map frame [m]; nothing when that is off the map. Unknown cells may be crossed,
-    /// diagonal steps are not taken, nor those to where `is_closed` says so: the map may not have the newest zones yet.
+    /// diagonal steps are not taken, nor those into a keepout zone: the map may not have the newest zones yet.
     /// O(cells).
-    pub(super) fn from(
-        map: &MapView<'_>,
-        start: Point2<f64>,
-        is_closed: impl Fn(Point2<f64>) -> bool,
-    ) -> Self {
+    pub(super) fn from(map: &MapView<'_>, start: Point2<f64>, zones: &ZoneSet) -> Self {
+        let (width, height) = map.geometry.size();
+        let whole = CellRect {
+            min: Cell::new(0, 0),
+            max: Cell::new(width, height),
+        };
+        let marks = if zones.has(ZoneKind::Keepout) {
+            zones.marks(map.geometry, &whole)
+        } else {
+            Vec::new()
+        };
         let mut reach = Self {
             geometry: *map.geometry,
             reached: vec![false; map.cells.len()],
@@ -38,7 +46,8 @@ impl Reach {
                     continue;
                 };
                 let is_free = (map.cells.get(index)).is_some_and(|cell| !cell.blocks_centre());
-                if is_free && !reach.reached[index] && !is_closed(map.geometry.centre_of(next)) {
+                let is_open = marks.get(index) != Some(&MARK_KEEPOUT);
+                if is_free && is_open && !reach.reached[index] {
                     reach.reached[index] = true;
                     open.push_back(next);
                 }
@@ -105,6 +114,7 @@ pub(super) fn may_have_room(map: &MapView<'_>, goal: Point2<f64>, tolerance_m: f
 mod tests {
     use super::*;
     use zeronav_msgs::map::{COST_INSCRIBED, FLAG_SENSED, FLAG_STATIC};
+    use zeronav_msgs::zones::{ZonePart, Zones};
 
     #[test]
     fn what_lies_behind_a_wall_is_not_reached() {
@@ -118,16 +128,18 @@ mod tests {
         for row in 0..3 {
             cells[row * 6 + 3].cost = COST_LETHAL;
         }
-        let closed = |at: Point2<f64>| at.x > 1.0 && at.x < 1.5;
-        let view_of = |cells: &[MapCell], start, is_closed: &dyn Fn(Point2<f64>) -> bool| {
+        let corners = [[1.1, 0.0], [1.4, 0.0], [1.4, 1.5], [1.1, 1.5]];
+        let zone = ZonePart::new("zone", ZoneKind::Keepout, 0.0, &corners);
+        let closed = ZoneSet::of(&Zones::default(), &[zone]);
+        let view_of = |cells: &[MapCell], start, zones: &ZoneSet| {
             let map = MapView {
                 geometry: &geometry,
                 cells,
             };
-            let reach = Reach::from(&map, start, is_closed);
+            let reach = Reach::from(&map, start, zones);
             [0.25, 1.25, 1.75, 2.25, 9.0].map(|x| reach.contains(Point2::new(x, 0.75)))
         };
-        let view = |cells: &[MapCell], start| view_of(cells, start, &|_| false);
+        let view = |cells: &[MapCell], start| view_of(cells, start, &ZoneSet::default());
         let here = Point2::new(0.3, 0.3);
         assert_eq!(view(&cells, here), [true, true, false, false, false]);
         assert_eq!(
@@ -167,7 +179,7 @@ mod tests {
                 geometry: &geometry,
                 cells: &cells,
             };
-            let reach = Reach::from(&map, Point2::new(x_m, 0.05), |_| false);
+            let reach = Reach::from(&map, Point2::new(x_m, 0.05), &ZoneSet::default());
             let all = 0..geometry.width;
             all.map(|x| reach.contains(geometry.centre_of(Cell::new(x.cast_signed(), 0))))
                 .collect()

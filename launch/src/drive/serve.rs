@@ -189,7 +189,7 @@ impl Session<'_> {
         }
         let at = format!("({}, {})", pose.x_m, pose.y_m);
         let (world, footprint) = (&self.prepared.world, &self.prepared.footprint);
-        let set = &self.zones.set;
+        let set = &self.collector.zones;
         let map = self.collector.replica.view();
         let has_room = || {
             let in_world = world.free_pose_near(footprint, pose, goal.tolerance());
@@ -210,8 +210,7 @@ impl Session<'_> {
         let yaw_rad = goal.yaw_tolerance_rad;
         let hint = match map.zip(robot) {
             Some((map, robot)) => {
-                let is_closed = |at| set.keepout_at(at).is_some();
-                let reach = Reach::from(&map, robot.point(), is_closed);
+                let reach = Reach::from(&map, robot.point(), set);
                 self.nearest(pose, yaw_rad, |at| reach.contains(at) && is_outside(at))
             }
             None if set.keepout_at(pose.point()).is_some() => {

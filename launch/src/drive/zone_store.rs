@@ -1,7 +1,6 @@
 //! The zones that launch keeps for the run.
 
 use std::time::Instant;
-use zeronav_msgs::ZoneSet;
 use zeronav_msgs::zones::{ZonePart, Zones};
 use zeronav_scenario::zones::{ReadZone, ZoneSpec};
 
@@ -11,8 +10,6 @@ pub(crate) struct ZoneStore {
     pub(crate) zones: Vec<ReadZone>,
     pub(crate) message: Zones,
     pub(crate) parts: Vec<ZonePart>,
-    /// What they ask of a place.
-    pub(crate) set: ZoneSet,
     /// When they were sent last.
     pub(crate) sent: Option<Instant>,
 }

@@ -3,12 +3,11 @@
 use super::session::Session;
 use super::zone_store::ZoneStore;
 use std::time::{Duration, Instant};
-use zeronav_msgs::ZoneSet;
 use zeronav_scenario::zones::{ReadZone, ZoneSpec, message};
 use zeronav_supervise::stack::Stack;
 use zeronav_world::error::SpecError;
 
-/// Between two messages of the same zones in real time, for readers that have lost one.
+/// Between two messages of the same zones in real time, for a reader that has lost one.
 const RESEND: Duration = Duration::from_secs(1);
 
 /// A complaint of the list in words.
@@ -87,22 +86,20 @@ impl Session<'_> {
             n_parts = parts.len(),
             "zones"
         );
-        let set = ZoneSet::of(&message, &parts);
         self.collector.take_zones(&message, &parts);
         self.zones = ZoneStore {
             zones,
             message,
             parts,
-            set,
             sent: Some(Instant::now()),
         };
         Ok(())
     }
 
-    /// Says again in real time which zones hold: to a reader that has them it is no news.
+    /// Says again in real time which zones hold while somebody lacks them: to who has them it is no news.
     pub(super) fn keep_zones(&mut self, stack: &mut Stack) {
         let is_due = self.zones.sent.is_some_and(|sent| sent.elapsed() >= RESEND);
-        if is_due && !self.lockstep() {
+        if is_due && !self.lockstep() && stack.lacks_zones() {
             if let Err(error) = stack.send_zones(self.zones.message, &self.zones.parts) {
                 tracing::warn!(%error, "the zones could not be sent again");
             }

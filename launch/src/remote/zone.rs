@@ -148,7 +148,12 @@ fn in_words(zones: &[ZoneSpec]) -> String {
                 )
             }
             (Some(ZoneWord::Cost), ..) => format!("cost {}", zone.cost.unwrap_or_default()),
-            (Some(ZoneWord::Lane), ..) => "preferred lane".to_owned(),
+            (Some(ZoneWord::Lane), ..) => {
+                format!(
+                    "preferred lane, beside it cost {}",
+                    zone.cost.unwrap_or_default()
+                )
+            }
         };
         let corners = || {
             let corners = zone.polygon.iter();

@@ -121,15 +121,15 @@ fn guard(command: &Command, request: Option<&Request>) -> Option<String> {
         }
         Intervention::ZoneSlowed => format!(
             "The collision guard slows down the request{asked}: the robot is in a zone with a speed \
-             limit. It lets the robot go faster outside."
+             limit, or does not know whether it is. It lets the robot go faster outside."
         ),
         Intervention::ZoneStopped => format!(
             "The collision guard holds back the request{asked}: it leads into a keepout zone, or \
-             farther in. It lets the robot go where it gets out."
+             farther in, or the robot does not know where it is among them. It lets the robot go where it gets out."
         ),
         Intervention::ZonesMissing => {
             "The collision guard brakes because zones were announced that have not come: launch \
-             sends them again every second."
+             sends them again once a second."
                 .to_owned()
         }
         Intervention::StoppedShort => format!(
@@ -242,7 +242,16 @@ fn zone(moment: &Moment) -> Option<String> {
     let name = printable(&zone.name);
     Some(match zone.limit_mps {
         Some(limit_mps) => format!("Slow: zone `{name}`, {limit_mps} m/s."),
+        None if is_slowed(moment) => format!("Held back: zone `{name}`, keepout."),
         None => format!("Stopped: zone `{name}`, keepout."),
+    })
+}
+
+/// True when the guard lets the robot go on, slower, before a keepout zone.
+fn is_slowed(moment: &Moment) -> bool {
+    moment.command.as_ref().is_some_and(|command| {
+        command.intervention == Intervention::ZoneStopped
+            && (command.v_mps, command.w_radps) != (0.0, 0.0)
     })
 }
 

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::ffi::OsString;
 use std::path::Path;
-use zeronav_msgs::health::HealthState;
+use zeronav_msgs::health::{HealthState, REASON_ZONES};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::{RunClock, RunControl, Seat, TOPIC_FAULTS_MAX, TopicFault};
 use zeronav_msgs::topics::{
@@ -323,6 +323,16 @@ impl Stack {
                 Some((*role, epoch, view.meta.progress, ready))
             })
             .collect()
+    }
+
+    /// True while a process says that the zones that hold have not come to it.
+    pub fn lacks_zones(&self) -> bool {
+        let mut newest = self
+            .taps
+            .health
+            .iter()
+            .filter_map(|(_, health)| health.get());
+        newest.any(|view| self.newest.hears(view.header) && view.meta.reasons & REASON_ZONES != 0)
     }
 
     /// What the kernel says of the process that answers in the seat of `role`: the one that was started, or

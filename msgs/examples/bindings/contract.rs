@@ -200,7 +200,7 @@ fn constants() -> Vec<(&'static str, f64)> {
         rollouts::{ROLLOUT_COST_MAX, ROLLOUT_POINTS_MAX},
         health::{
             REASON_SCAN, REASON_ODOMETRY, REASON_MAP, REASON_PATH, REASON_REQUEST,
-            REASON_REFUSED, REASON_NO_LOAN, REASON_TOO_LONG,
+            REASON_REFUSED, REASON_NO_LOAN, REASON_TOO_LONG, REASON_ZONES,
         },
     ]
 }

@@ -229,6 +229,7 @@ impl Guard {
         let jumped = self.sense.take(input.odometry, input.run_ns, fastest);
         if jumped || !self.odometry_order.is_forward() {
             self.forget();
+            self.zones.forget_pose();
             self.blind_before_ns = input.run_ns;
         }
     }

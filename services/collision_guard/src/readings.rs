@@ -73,6 +73,7 @@ impl Readings {
             &self.zones,
             &self.map,
         ]);
+        self.zones.report(shell);
         trigger
     }
 
@@ -94,8 +95,9 @@ impl Readings {
         if !map.poll(shell.roster()) {
             return Ok(None);
         }
-        let located =
-            (map.get()).map(|view| (view.meta.map_from_odom, view.meta.certainty().is_known()));
+        // The idle output of a process that begins has seen nothing yet.
+        let seen = map.get().filter(|view| view.header.parents.scan != 0);
+        let located = seen.map(|view| (view.meta.map_from_odom, view.meta.certainty().is_known()));
         // The tiles are large, and of no use here.
         map.release();
         Ok(located)

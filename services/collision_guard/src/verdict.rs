@@ -18,7 +18,7 @@ use zeronav_msgs::odometry::Odometry;
 pub(crate) const LEAD_S: f64 = 0.06;
 
 /// Shares of the reaction time after which braking may begin, and at which stops are looked at.
-const STARTS: [f64; 3] = [1.0, 0.6, 0.25];
+pub(crate) const STARTS: [f64; 3] = [1.0, 0.6, 0.25];
 
 /// Halvings in the search for the fastest free speed on an arc.
 const HALVINGS: u32 = 5;
@@ -127,7 +127,10 @@ impl Mover<'_> {
 }
 
 /// The fastest twist on the arc of `clamped` whose way is free, with the least distance there. [m]
-fn fastest_free(clamped: Twist, way: impl Fn(Twist) -> Option<f64>) -> Option<(Twist, f64)> {
+pub(crate) fn fastest_free(
+    clamped: Twist,
+    way: impl Fn(Twist) -> Option<f64>,
+) -> Option<(Twist, f64)> {
     let mut best = None;
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..HALVINGS {

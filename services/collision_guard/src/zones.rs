@@ -2,18 +2,22 @@
 //! keepout zone.
 //!
 //! The pose comes from the map of mapping; while that does not know where the robot is, odometry goes on
-//! from the last pose that was known, and a speed limit that held then is not lifted. Before any pose was
-//! known the lowest limit of all zones holds; of keepout zones nothing can be said then.
+//! from the last pose that was known, and a speed limit that held then is not lifted. Without such a pose, before
+//! the first one and after odometry has jumped, the lowest limit of all zones holds, and where there are keepout
+//! zones the robot may only turn.
 //!
 //! A robot whose outline is in a keepout zone is let out: its centre may go where the way out is no
 //! longer, and turn; what it has gained on its way it does not lose again, in another zone neither.
 
 use crate::limits::Limits;
+use crate::verdict::{LEAD_S, STARTS, fastest_free};
 use core::f64::consts::TAU;
 use nalgebra::Point2;
 use zeronav_motion::Twist;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::odometry::Odometry;
+use zeronav_msgs::zone_set::Keepouts;
+use zeronav_msgs::zones::ZoneKind;
 use zeronav_msgs::{Pose, ZoneSet};
 
 /// Largest distance of two points of the outline that are looked at. [m]
@@ -25,20 +29,11 @@ const STEP_S: f64 = 0.02;
 /// Most poses on the way: a way that is longer is not free.
 const STEPS_MAX: u32 = 400;
 
-/// Shares of the reaction time after which braking may begin, and at which stops are looked at.
-const STARTS: [f64; 2] = [1.0, 0.25];
-
-/// Most points of the outline.
-const POINTS_MAX: usize = 256;
+/// Most points of the outline: of a longer one they lie farther apart.
+const POINTS_MAX: f64 = 256.0;
 
 /// By how much the way out may get longer, in all, while the robot is inside: the noise of its pose. [m]
 const NOISE_M: f64 = 0.02;
-
-/// Halvings in the search for a speed from which the robot stops outside.
-const HALVINGS: u32 = 5;
-
-/// [s] of braking by which a command may be slower than the robot, so that it brakes down to a limit.
-const LEAD_S: f64 = 0.06;
 
 /// What zones make of a motion that is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,8 +58,9 @@ pub(crate) struct ZoneRules {
     is_known: bool,
     /// Limit that held when it was known last. [m/s]
     limit_mps: Option<f64>,
-    /// Points of the outline in `base`. [m]
+    /// Points of the outline in `base`, and the farthest of it. [m]
     outline: Vec<Point2<f64>>,
+    radius_m: f64,
     /// While the outline is in a keepout zone: the shortest way out that the centre has had, below 0. [m]
     least_m: Option<f64>,
 }
@@ -85,26 +81,38 @@ impl ZoneRules {
         }
     }
 
+    /// Odometry does not go on from where it was: the last pose that was known says nothing.
+    pub(crate) fn forget_pose(&mut self) {
+        self.known = None;
+        self.least_m = None;
+    }
+
     /// Takes in another robot.
     pub(crate) fn describe(&mut self, description: &Description, corners: &[Corner]) {
         self.outline.clear();
         if corners.is_empty() {
-            let radius_m = description.circumscribed_radius_m;
-            let n = count((TAU * radius_m / SPACING_M).ceil().clamp(8.0, 128.0));
+            self.radius_m = description.circumscribed_radius_m;
+            let n = count(
+                (TAU * self.radius_m / SPACING_M)
+                    .ceil()
+                    .clamp(8.0, POINTS_MAX),
+            );
             self.outline.extend((0..n).map(|at| {
                 let (sin, cos) = (TAU * f64::from(at) / f64::from(n)).sin_cos();
-                Point2::new(radius_m * cos, radius_m * sin)
+                Point2::new(self.radius_m * cos, self.radius_m * sin)
             }));
             return;
         }
-        let next = corners.iter().cycle().skip(1);
-        for (from, to) in corners.iter().zip(next) {
-            let (from, to) = (Point2::new(from.x_m, from.y_m), Point2::new(to.x_m, to.y_m));
-            let n = count(((to - from).norm() / SPACING_M).ceil().clamp(1.0, 64.0));
+        let points = corners.iter().map(|at| Point2::new(at.x_m, at.y_m));
+        let edges = points.clone().zip(points.clone().cycle().skip(1));
+        self.radius_m = points.map(|at| at.coords.norm()).fold(0.0, f64::max);
+        let around_m: f64 = edges.clone().map(|(from, to)| (to - from).norm()).sum();
+        let spacing_m = SPACING_M.max(around_m / POINTS_MAX);
+        for (from, to) in edges {
+            let n = count(((to - from).norm() / spacing_m).ceil().max(1.0));
             let points = (0..n).map(|at| from + (to - from) * (f64::from(at) / f64::from(n)));
             self.outline.extend(points);
         }
-        self.outline.truncate(POINTS_MAX);
     }
 
     /// What becomes of a motion that is asked for, when braking begins after `reaction_s` at the latest.
@@ -120,6 +128,9 @@ impl ZoneRules {
         }
         let measured = Twist::measured(odometry);
         let Some(known) = self.known else {
+            if self.set.has(ZoneKind::Keepout) && asked.v_mps.abs() > 0.0 {
+                return Held::Stop;
+            }
             let limit = self.set.limit_anywhere(description.v_mps_max);
             return slowed(asked, measured, limits, limit.map(|limit| limit.limit_mps));
         };
@@ -133,17 +144,19 @@ impl ZoneRules {
         let (Held::Free(twist) | Held::Slowed(twist)) = held else {
             return held;
         };
-        let way = Way {
+        let mut way = Way {
             zones: &self.set,
+            near: Keepouts::default(),
             outline: &self.outline,
-            radius_m: description.circumscribed_radius_m,
+            radius_m: self.radius_m,
             pose,
             measured,
             limits,
             reaction_s,
         };
-        let reach_m = description.circumscribed_radius_m + way.reach_m(twist);
-        if self.set.is_far(pose.point(), reach_m) {
+        let reach_m = self.radius_m + way.reach_m(twist);
+        way.near = self.set.keepouts_near(pose.point(), reach_m);
+        if way.near.is_empty() {
             self.least_m = None;
             return held;
         }
@@ -158,17 +171,8 @@ impl ZoneRules {
         if way.is_free(twist, floor_m) {
             return held;
         }
-        let (mut best, mut low, mut high) = (None, 0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let share = 0.5 * (low + high);
-            if way.is_free(twist.scaled(share), floor_m) {
-                best = Some(twist.scaled(share));
-                low = share;
-            } else {
-                high = share;
-            }
-        }
-        best.map_or(Held::Stop, Held::Short)
+        let slower = fastest_free(twist, |slower| way.is_free(slower, floor_m).then_some(0.0));
+        slower.map_or(Held::Stop, |(slower, _)| Held::Short(slower))
     }
 
     /// The speed limit that holds here, or where the robot is by the time that braking begins. [m/s]
@@ -206,6 +210,7 @@ fn slowed(asked: Twist, measured: Twist, limits: &Limits, limit_mps: Option<f64>
     let Some(limit_mps) = limit_mps else {
         return Held::Free(asked);
     };
+    // It brakes down to the limit.
     let soon_mps = measured.v_mps.abs() - limits.brake_mps2 * LEAD_S;
     let most_mps = limit_mps.max(soon_mps);
     if asked.v_mps.abs() <= most_mps {
@@ -217,6 +222,8 @@ fn slowed(asked: Twist, measured: Twist, limits: &Limits, limit_mps: Option<f64>
 /// The way of a robot that obeys a motion for the reaction time and then brakes.
 struct Way<'a> {
     zones: &'a ZoneSet,
+    /// The keepout zones that it can come to.
+    near: Keepouts<'a>,
     outline: &'a [Point2<f64>],
     radius_m: f64,
     pose: Pose,
@@ -234,12 +241,11 @@ impl Way<'_> {
 
     /// True when the outline touches a keepout zone at a pose.
     fn is_inside(&self, pose: &Pose) -> bool {
-        if self.zones.is_far(pose.point(), self.radius_m) {
+        if self.near.are_far(pose.point(), self.radius_m) {
             return false;
         }
-        let inside = |at: Point2<f64>| self.zones.keepout_at(at).is_some();
         let mut points = self.outline.iter();
-        inside(pose.point()) || points.any(|point| inside(pose.transform(*point)))
+        self.near.hold(pose.point()) || points.any(|point| self.near.hold(pose.transform(*point)))
     }
 
     /// True when a robot may go on to a pose: outside of all keepout zones; one that is in one also where the margin of its
@@ -288,4 +294,35 @@ impl Way<'_> {
 )]
 fn count(n: f64) -> u32 {
     n as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_side_of_a_large_outline_is_left_out() {
+        let mut rules = ZoneRules::default();
+        let corners: Vec<Corner> = (0..32)
+            .map(|n| {
+                let (sin, cos) = (TAU * f64::from(n) / 32.0).sin_cos();
+                Corner {
+                    x_m: 2.5 * cos,
+                    y_m: 1.5 * sin,
+                }
+            })
+            .collect();
+        // A description may understate it.
+        let description = Description {
+            circumscribed_radius_m: 0.4,
+            ..Description::default()
+        };
+        rules.describe(&description, &corners);
+        assert!((rules.radius_m - 2.5).abs() < 1e-9);
+        assert!(rules.outline.len() <= 256 + 32, "{}", rules.outline.len());
+        let next = rules.outline.iter().cycle().skip(1);
+        let gaps = rules.outline.iter().zip(next).map(|(a, b)| (b - a).norm());
+        let widest_m = gaps.fold(0.0, f64::max);
+        assert!((0.03..0.06).contains(&widest_m), "{widest_m}");
+    }
 }

@@ -61,7 +61,8 @@ private:
         w_radps_ = command.w_radps;
         for (const auto& [stale, reason] : {std::pair{Intervention::request_stale, REASON_REQUEST},
                                             std::pair{Intervention::scan_stale, REASON_SCAN},
-                                            std::pair{Intervention::odometry_stale, REASON_ODOMETRY}}) {
+                                            std::pair{Intervention::odometry_stale, REASON_ODOMETRY},
+                                            std::pair{Intervention::zones_missing, REASON_ZONES}}) {
             shell.reason(reason, command.intervention == code(stale));
         }
     }
@@ -97,6 +98,9 @@ private:
             validity = Validity::stopped;
         } else if (begun.tick == 0 || !robot || odometry.id == 0 || !request) {
             validity = Validity::no_request;
+        } else if (run.zones) {
+            // It does not know how to keep out of them.
+            intervention = Intervention::zones_missing;
         } else if (is_old(request.header->run_ns, request.came_ns, REQUEST_AGE_NS)) {
             intervention = Intervention::request_stale;
         } else if (!scan || is_old(scan.header->run_ns, scan.came_ns, SCAN_AGE_NS)) {

@@ -123,6 +123,8 @@ pub struct RunState {
     pub lockstep: u8,
     /// 1 when the robot shall stop.
     pub stopping: u8,
+    /// 1 when there are zones.
+    pub zones: u8,
 }
 
 /// Newest odometry.
@@ -213,6 +215,7 @@ pub unsafe extern "C" fn zeronav_run_state(context: *mut Context<'_>) -> RunStat
         answered_tick: shell.answered_tick(),
         lockstep: u8::from(roster.lockstep()),
         stopping: u8::from(roster.control.stopping == 1),
+        zones: u8::from(roster.control.zones != 0),
     }
 }
 

@@ -215,6 +215,7 @@ impl Readings {
             &self.zones,
             &self.foresight,
         ]);
+        self.zones.report(shell);
     }
 
     /// True when the newest tick can be answered: in lockstep its scan, if it has one, has been

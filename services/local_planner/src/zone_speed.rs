@@ -4,10 +4,9 @@ use nalgebra::Point2;
 use zeronav_msgs::ZoneSet;
 use zeronav_msgs::description::Description;
 
-/// Distance of two points of the path that are looked at. [m]
+/// Distance of two points of the path that are looked at, and the most of them: where the way is longer, they lie
+/// farther apart. [m]
 const STEP_M: f64 = 0.05;
-
-/// Most points of the path.
 const POINTS_MAX: u32 = 200;
 
 /// Share of the robot's deceleration that slows it down before a zone.
@@ -33,16 +32,19 @@ pub(crate) fn zone_mps(
     };
     let decel_mps2 = COMFORT_SHARE * robot.brake_mps2;
     let most_m = robot.v_mps_max * REACTION_S + robot.v_mps_max.powi(2) / (2.0 * decel_mps2);
-    let steps = (1..=POINTS_MAX).map(|n| f64::from(n) * STEP_M);
-    let on_way = steps.take_while(|arc_m| *arc_m <= most_m).map(|arc_m| {
-        let there_mps = limit_mps(ahead(arc_m));
-        if there_mps.is_finite() {
-            let brake_m = (arc_m - STEP_M - there_mps * REACTION_S).max(0.0);
-            (there_mps.powi(2) + 2.0 * decel_mps2 * brake_m).sqrt()
-        } else {
-            there_mps
-        }
-    });
+    let step_m = STEP_M.max(most_m / f64::from(POINTS_MAX));
+    let steps = (1..=POINTS_MAX).map(|n| f64::from(n) * step_m);
+    let on_way = steps
+        .take_while(|arc_m| *arc_m <= most_m + step_m)
+        .map(|arc_m| {
+            let there_mps = limit_mps(ahead(arc_m));
+            if there_mps.is_finite() {
+                let brake_m = (arc_m - step_m - there_mps * REACTION_S).max(0.0);
+                (there_mps.powi(2) + 2.0 * decel_mps2 * brake_m).sqrt()
+            } else {
+                there_mps
+            }
+        });
     on_way.fold(limit_mps(here), f64::min)
 }
 
@@ -82,5 +84,14 @@ mod tests {
             }
             (before, x_m) = (now, x_m + 0.05);
         }
+        // A fast one looks as far ahead as it needs to brake.
+        let fast = Description {
+            v_mps_max: 5.0,
+            brake_mps2: 1.5,
+            ..robot
+        };
+        let ahead = |arc_m: f64| Point2::new(arc_m - 8.8, 0.0);
+        let far = zone_mps(Some(&zones), &fast, ahead(0.0), ahead);
+        assert!((4.5..5.0).contains(&far), "{far}");
     }
 }

@@ -17,7 +17,7 @@ use crate::scan_match::Surfaces;
 use crate::surface_candidates::SurfaceCandidates;
 use crate::tiles::{TileBoxes, TileIndex};
 use crate::virtual_obstacles::VirtualConfig;
-use crate::zone_paint::{KEEPOUT, ZonePaint};
+use crate::zone_paint::ZonePaint;
 use nalgebra::Point2;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::map::{
@@ -26,6 +26,7 @@ use zeronav_msgs::map::{
 };
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::stages::{Stage, StageTimer};
+use zeronav_msgs::zone_marks::MARK_KEEPOUT;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
 use zeronav_world::StaticMap;
 
@@ -405,7 +406,7 @@ impl Mapper {
             flags |= FLAG_REGULARISED;
         }
         let least_cost = match self.zones.mark_of(index) {
-            KEEPOUT => {
+            MARK_KEEPOUT => {
                 flags |= FLAG_KEEPOUT;
                 0
             }

@@ -87,6 +87,7 @@ impl Readings {
             &self.goal,
             &self.foresight,
         ]);
+        self.zones.report(shell);
     }
 
     /// Which answers the newest scan asks for; `located` once its poses are known.

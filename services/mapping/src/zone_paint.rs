@@ -4,11 +4,10 @@
 //! Nothing of this is belief: scans neither mark nor clear it, and localisation does not see it.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_msgs::zone_marks::MARK_KEEPOUT;
+use zeronav_msgs::zone_shape::distance_m;
 use zeronav_msgs::zones::ZoneKind;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, ZoneSet};
-
-/// Mark of a cell in a keepout zone; other marks are the least cost of a cell, 0 = no zone asks for one.
-pub(crate) const KEEPOUT: u8 = u8::MAX;
 
 /// Directions in which a way out is looked for.
 const WAYS: u32 = 32;
@@ -24,9 +23,7 @@ pub(crate) struct WayOut {
 impl WayOut {
     /// From a point to the line. [m]
     fn distance_m(&self, at: Point2<f64>) -> f64 {
-        let along = self.until - self.from;
-        let share = (at - self.from).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
-        (self.from + along * share.clamp(0.0, 1.0) - at).norm()
+        distance_m(&[self.from, self.until], at)
     }
 
     /// The cells that may lie on it.
@@ -55,6 +52,14 @@ fn cells_between(geometry: &GridGeometry, least: Point2<f64>, most: Point2<f64>)
     }
 }
 
+/// True for zones that mark cells.
+const fn is_painted(kind: Option<ZoneKind>) -> bool {
+    matches!(
+        kind,
+        Some(ZoneKind::Keepout | ZoneKind::Cost | ZoneKind::Lane)
+    )
+}
+
 /// The zones and what they make of the cells of a grid. Without any it holds no memory.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ZonePaint {
@@ -70,7 +75,7 @@ impl ZonePaint {
         let mut paint = Self::default();
         let whole = paint.take(&self.set, geometry);
         for rect in &whole {
-            paint.mark(rect, geometry, |_, _| ());
+            paint.mark(rect, geometry, |_| ());
         }
         paint.way_out = self.way_out;
         paint
@@ -79,14 +84,7 @@ impl ZonePaint {
     /// Takes in other zones; which cells may be marked otherwise now.
     pub(crate) fn take(&mut self, set: &ZoneSet, geometry: &GridGeometry) -> Vec<CellRect> {
         let before = core::mem::replace(&mut self.set, set.clone());
-        let marks = |kind: Option<ZoneKind>| {
-            matches!(
-                kind,
-                Some(ZoneKind::Keepout | ZoneKind::Cost | ZoneKind::Lane)
-            )
-        };
-        let is_painted = set.parts().any(|part| marks(part.kind()));
-        if self.marks.is_empty() && !is_painted {
+        if self.marks.is_empty() && !set.parts().any(|part| is_painted(part.kind())) {
             return Vec::new();
         }
         self.marks.resize(geometry.len(), 0);
@@ -94,7 +92,7 @@ impl ZonePaint {
         for (of, other) in [(&before, set), (set, &before)] {
             for (part, min, max) in of.bounds() {
                 let is_lane = part.kind() == Some(ZoneKind::Lane);
-                if !marks(part.kind()) || other.parts().any(|it| it == part) {
+                if !is_painted(part.kind()) || other.parts().any(|it| it == part) {
                     continue;
                 }
                 if is_lane {
@@ -116,25 +114,24 @@ impl ZonePaint {
         &mut self,
         rect: &CellRect,
         geometry: &GridGeometry,
-        mut changed: impl FnMut(usize, Cell),
+        mut changed: impl FnMut(usize),
     ) {
-        let half_m = 0.5 * geometry.resolution_m;
-        for y in rect.min.y..rect.max.y {
-            for x in rect.min.x..rect.max.x {
-                let cell = Cell::new(x, y);
-                let Some(index) = geometry.index_of(cell) else {
-                    continue;
-                };
-                let centre = geometry.centre_of(cell);
-                let mark = if self.set.keeps_out_of_square(centre, half_m) {
-                    KEEPOUT
-                } else {
-                    self.set.least_cost_at(centre)
-                };
-                if core::mem::replace(&mut self.marks[index], mark) != mark {
-                    changed(index, cell);
-                }
+        let rect = rect.grown(0, geometry);
+        let cells = (rect.min.y..rect.max.y)
+            .flat_map(|y| (rect.min.x..rect.max.x).map(move |x| Cell::new(x, y)));
+        for (cell, mark) in cells.zip(self.set.marks(geometry, &rect)) {
+            if let Some(index) = geometry.index_of(cell)
+                && core::mem::replace(&mut self.marks[index], mark) != mark
+            {
+                changed(index);
             }
+        }
+    }
+
+    /// Forgets the marks when no zone makes any.
+    pub(crate) fn clear_if_blank(&mut self) {
+        if !self.set.parts().any(|part| is_painted(part.kind())) {
+            self.marks = Vec::new();
         }
     }
 
@@ -151,7 +148,7 @@ impl ZonePaint {
     /// True for a cell of a keepout zone that is not on the way out.
     #[inline]
     pub(crate) fn closes(&self, index: usize, geometry: &GridGeometry) -> bool {
-        self.mark_of(index) == KEEPOUT
+        self.mark_of(index) == MARK_KEEPOUT
             && self.way_out.is_none_or(|way| {
                 let cell = crate::rows_around::cell_at(geometry, index);
                 way.distance_m(geometry.centre_of(cell)) > way.radius_m
@@ -173,9 +170,9 @@ impl ZonePaint {
         self.way_out = way_out;
     }
 
-    /// The way out that a robot needs: the one that is open, for as long as its centre is in a keepout
-    /// zone or nearer to one than `room_m`; else the shortest one when its centre is in one. It goes
-    /// straight to where there is that much room, `radius_m` wide on either side. `is_free` says
+    /// The way out that a robot needs while its centre is in a keepout zone, or on its way out nearer to one than
+    /// `room_m`: the one that is open, as long as it leads out and nothing has come to stand on it; else the shortest
+    /// one. It goes straight to where there is that much room, `radius_m` wide on either side. `is_free` says
     /// where no obstacle is.
     pub(crate) fn wanted(
         &self,
@@ -184,38 +181,57 @@ impl ZonePaint {
         (room_m, radius_m): (f64, f64),
         is_free: impl Fn(usize) -> bool,
     ) -> Option<WayOut> {
-        let keeps_out = |at: Point2<f64>| {
-            let index = geometry.index_of(geometry.unbounded_cell_at(at));
-            index.is_some_and(|index| self.mark_of(index) == KEEPOUT)
+        let index_at = |at: Point2<f64>| geometry.index_of(geometry.unbounded_cell_at(at));
+        let keeps_out =
+            |at: Point2<f64>| index_at(at).is_some_and(|index| self.mark_of(index) == MARK_KEEPOUT);
+        // What lies between the sides of a straight way: no obstacle, and no keepout zone.
+        let lines = |towards: Vector2<f64>, at: Point2<f64>| {
+            let aside = Vector2::new(-towards.y, towards.x) * (0.7 * room_m);
+            [at, at + aside, at - aside]
         };
-        if let Some(way) = self.way_out
-            && way.distance_m(robot) <= 0.5 * way.radius_m
-        {
-            return self.is_near(geometry, robot, room_m).then_some(way);
-        }
-        if !keeps_out(robot) {
+        let is_passable = |towards: Vector2<f64>, at: Point2<f64>| {
+            let mut lines = lines(towards, at).into_iter();
+            lines.all(|at| index_at(at).is_some_and(&is_free))
+        };
+        let is_out =
+            |towards: Vector2<f64>, at: Point2<f64>| !lines(towards, at).into_iter().any(keeps_out);
+        let step_m = 0.5 * geometry.resolution_m;
+        let on_way = (self.way_out).filter(|way| way.distance_m(robot) <= 0.5 * way.radius_m);
+        if on_way.is_some() && !self.is_near(geometry, robot, room_m) {
             return None;
         }
-        let step_m = 0.5 * geometry.resolution_m;
+        if let Some(way) = on_way {
+            let left = way.until - robot;
+            let left_m = left.norm();
+            let Some(towards) = left.try_normalize(step_m) else {
+                return Some(way);
+            };
+            let steps = core::iter::successors(Some(0.0), |at_m| Some(at_m + step_m));
+            let mut on_it = steps.take_while(|at_m| *at_m < left_m);
+            let is_free = on_it.all(|at_m| is_passable(towards, robot + towards * at_m));
+            if is_free && is_out(towards, way.until) {
+                return Some(way);
+            }
+        }
+        if on_way.is_none() && !keeps_out(robot) {
+            return None;
+        }
         let (width, height) = geometry.size();
         let most_m = f64::from(width).hypot(f64::from(height)) * geometry.resolution_m;
         let ways = (0..WAYS).filter_map(|n| {
             let angle_rad = core::f64::consts::TAU * f64::from(n) / f64::from(WAYS);
             let towards = Vector2::new(angle_rad.cos(), angle_rad.sin());
-            let aside = Vector2::new(-towards.y, towards.x) * (0.7 * room_m);
             let (mut at_m, mut out_m) = (0.0, 0.0);
             while out_m < room_m {
                 let at = robot + towards * at_m;
-                let lines = [at, at + aside, at - aside];
-                let is_passable = lines.iter().all(|at| {
-                    let index = geometry.index_of(geometry.unbounded_cell_at(*at));
-                    index.is_some_and(&is_free)
-                });
-                if !is_passable || at_m > most_m {
+                if !is_passable(towards, at) || at_m > most_m {
                     return None;
                 }
-                let is_inside = lines.iter().any(|at| keeps_out(*at));
-                out_m = if is_inside { 0.0 } else { out_m + step_m };
+                out_m = if is_out(towards, at) {
+                    out_m + step_m
+                } else {
+                    0.0
+                };
                 at_m += step_m;
             }
             Some((at_m, robot + towards * at_m))
@@ -236,7 +252,7 @@ impl ZonePaint {
             (rect.min.x..rect.max.x).any(|x| {
                 let cell = Cell::new(x, y);
                 let index = geometry.index_of(cell);
-                index.is_some_and(|index| self.mark_of(index) == KEEPOUT)
+                index.is_some_and(|index| self.mark_of(index) == MARK_KEEPOUT)
                     && (geometry.centre_of(cell) - at).norm() <= reach_m
             })
         })

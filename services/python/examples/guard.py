@@ -19,6 +19,7 @@ REASONS = {
     c.Intervention.REQUEST_STALE: c.REASON_REQUEST,
     c.Intervention.SCAN_STALE: c.REASON_SCAN,
     c.Intervention.ODOMETRY_STALE: c.REASON_ODOMETRY,
+    c.Intervention.ZONES_MISSING: c.REASON_ZONES,
 }
 
 
@@ -92,6 +93,9 @@ class Guard(Service):
             validity = c.Validity.STOPPED
         elif draft.tick == 0 or None in (robot, request, self.v_mps):
             return c.VelocityCommand(validity=c.Validity.NO_REQUEST)
+        elif shell.roster.control.zones:
+            # It does not know how to keep out of them.
+            intervention = c.Intervention.ZONES_MISSING
         elif stale := self.lost(draft, scan, request, shell.roster.lockstep):
             intervention = stale
         else:

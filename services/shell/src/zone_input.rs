@@ -5,7 +5,9 @@ use crate::input::Input;
 use crate::peer::Peer;
 use crate::reader::Latest;
 use crate::roster::Roster;
+use crate::shell::Shell;
 use zeronav_msgs::ZoneSet;
+use zeronav_msgs::health::REASON_ZONES;
 use zeronav_msgs::topics::TaskZones;
 
 /// Reads `task/zones`.
@@ -57,6 +59,12 @@ impl ZoneInput {
     #[must_use]
     pub fn is_missing(&self, roster: &Roster) -> bool {
         roster.control.zones > self.newest()
+    }
+
+    /// Reports in the heartbeat whether the list that holds has not come.
+    pub fn report(&self, shell: &mut Shell) {
+        let is_missing = self.is_missing(shell.roster());
+        shell.reason(REASON_ZONES, is_missing);
     }
 
     /// Lets the list hold that does at `tick`; true when it is another one than before.

@@ -92,7 +92,7 @@ const ZeronavActs = (() => {
       by("clear").hidden = placed.length === 0;
     }
 
-    /** Asks for the zone that was drawn, of the kind and name in the form. */
+    /** Asks for the zone that was drawn, of the kind and name in the form; whether it was added. */
     async function zone(polygon) {
       const kind = by("zone-kind").value;
       const value = Number(by("zone-value").value);
@@ -102,7 +102,9 @@ const ZeronavActs = (() => {
       for (let n = 1; !name; n++) if (!taken.has(`zone ${n}`)) name = `zone ${n}`;
       const more = { speed_limit: { limit_mps: value }, lane: { cost: value }, cost: { cost: value } }[kind] || {};
       const asked = { name, kind, polygon: polygon.map((corner) => corner.map(millimetres)), ...more };
-      if (await act({ command: "zone_add", zone: asked }, `zone ${name} added`)) by("zone-name").value = "";
+      const is_added = await act({ command: "zone_add", zone: asked }, `zone ${name} added`);
+      if (is_added) by("zone-name").value = "";
+      return is_added;
     }
     /** The zones that can be taken away, and what else the form shows. */
     function showZones() {

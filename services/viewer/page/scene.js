@@ -390,8 +390,11 @@ const ZeronavScene = (() => {
       const { corners } = this;
       const closes = corners.length >= 3 && (is_on(corners[0]) || is_on(corners[corners.length - 1]));
       if (closes) {
-        this.corners = [];
-        this.onzone(corners);
+        // What is rejected stays, to be drawn on or given another name.
+        this.onzone(corners).then((is_added) => {
+          if (is_added && this.corners === corners) this.corners = [];
+          this.redraw();
+        });
       } else if (corners.length < ZONE_CORNERS_MAX && !(corners.length && is_on(corners[corners.length - 1]))) {
         corners.push(this.toMap(px, py));
       }

@@ -50,6 +50,11 @@ fn a_zone_is_named_with_what_it_asks_for() {
         &around,
         &["farther in", "Stopped: zone `wet floor`, keepout."],
     );
+    let mut short = stopped;
+    if let Some(command) = &mut short.command {
+        (command.v_mps, command.w_radps) = (0.1, 0.0);
+    }
+    says(&short, &around, &["Held back: zone `wet floor`, keepout."]);
     let missing = held(Intervention::ZonesMissing, None);
     says(
         &missing,

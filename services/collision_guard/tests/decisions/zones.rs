@@ -350,15 +350,54 @@ fn an_uncertain_pose_lifts_no_limit_and_opens_no_zone() {
         "before the keepout zone: {:?}",
         drive.pose
     );
-    // A robot that never knew its pose is as slow as the slowest zone asks for.
+}
+
+#[test]
+fn a_robot_that_never_knew_its_pose_is_slow_and_only_turns_among_keepout_zones() {
+    let slow = rect(ZoneKind::SpeedLimit, 0.3, [-1.0, -1.0, 1.0, 1.0]);
     let mut lost = Drive::new(Pose::new(20.0, 0.0, 0.0), &ZoneSet::default());
     lost.guard = Guard::new(GuardConfig::default());
-    lost.guard.take_zones(&zones);
+    lost.guard.take_zones(&set(&[slow]));
     lost.guard.locate(Pose::default(), false);
     for _ in 0..100 {
         lost.step(Twist::new(1.0, 0.0));
     }
-    assert!(lost.twist.v_mps < 0.301);
+    assert!((0.29..0.301).contains(&lost.twist.v_mps));
+    // Wherever the zone is, the robot may be right before it.
+    lost.guard
+        .take_zones(&set(&[slow, keepout([2.0, -3.0, 3.0, 3.0])]));
+    for _ in 0..50 {
+        let command = lost.step(Twist::new(0.5, 0.4));
+        assert_eq!(command.intervention(), Some(Intervention::ZoneStopped));
+    }
+    assert!(lost.twist.is_stopped());
+    for _ in 0..50 {
+        lost.step(Twist::new(0.0, 0.4));
+    }
+    assert!((lost.twist.w_radps - 0.4).abs() < 0.01);
+}
+
+#[test]
+fn a_pose_that_odometry_jumped_away_from_is_not_gone_on_from() {
+    let zones = set(&[keepout([9.0, -3.0, 12.0, 3.0])]);
+    let mut drive = Drive::new(Pose::new(0.0, 0.0, 0.0), &zones);
+    for _ in 0..50 {
+        drive.step(Twist::new(0.5, 0.0));
+    }
+    assert!(drive.twist.v_mps > 0.4);
+    // By its odometry it is 4 m behind where it was; in truth it stands where it stood.
+    let truth = drive.map_from_odom;
+    drive.map_from_odom = truth.then(&Pose::new(4.0, 0.0, 0.0));
+    for _ in 0..100 {
+        drive.step(Twist::new(0.5, 0.0));
+    }
+    assert!(drive.twist.is_stopped());
+    // Mapping has found it.
+    drive.guard.locate(drive.map_from_odom, true);
+    for _ in 0..50 {
+        drive.step(Twist::new(0.5, 0.0));
+    }
+    assert!(drive.twist.v_mps > 0.4);
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Zones on the map: only the cells of zones that changed are looked at, and nothing per scan.
+//! Zones on the map: only the cells of zones that changed are looked at, of lanes all. Of a scan they cost nothing but
+//! the search for a way out while the robot's centre is in a keepout zone.
 
 use super::Mapper;
 use crate::clearance::ClearanceField;
@@ -13,9 +14,10 @@ impl Mapper {
         let mut changed = Vec::new();
         for rect in &rects {
             self.zones
-                .mark(rect, &self.geometry, |index, _| changed.push(index));
+                .mark(rect, &self.geometry, |index| changed.push(index));
         }
         self.repaint(&changed);
+        self.zones.clear_if_blank();
     }
 
     /// Opens the way out for a robot whose centre is in a keepout zone, and closes it when the robot

@@ -236,6 +236,29 @@ fn a_robot_inside_is_let_out_on_the_shortest_way_that_no_wall_bars() {
 }
 
 #[test]
+fn a_way_out_that_is_blocked_or_leads_out_no_more_is_given_up_for_another() {
+    let room = Room::walled(120, 100, 3);
+    let mut mapping = Mapping::new(&config(&room), None, &description(), &[]).unwrap();
+    mapping.set_zones(&zones(1, &[keepout(&room, [20.0, 30.0, 64.0, 70.0])]));
+    for n in 0..4 {
+        drive_to(&mut mapping, &room, (50.5, 50.5), n);
+    }
+    let is_open = |mapping: &Mapping, x, y| !at(mapping.mapper(), &room, x, y).blocks_centre();
+    assert!(is_open(&mapping, 63.5, 50.5) && !is_open(&mapping, 50.5, 31.5));
+    // The zone grows, so that the way ends in it: out above is nearer now.
+    mapping.set_zones(&zones(2, &[keepout(&room, [20.0, 30.0, 90.0, 66.0])]));
+    drive_to(&mut mapping, &room, (50.5, 50.5), 4);
+    assert!(!is_open(&mapping, 63.5, 50.5) && is_open(&mapping, 50.5, 64.5));
+    // Somebody puts a box there.
+    let mut with_box = Room::walled(120, 100, 3);
+    with_box.fill(40, 58, 60, 60, true);
+    for n in 5..9 {
+        drive_to(&mut mapping, &with_box, (50.5, 50.5), n);
+    }
+    assert!(!is_open(&mapping, 50.5, 64.5) && is_open(&mapping, 50.5, 31.5));
+}
+
+#[test]
 fn a_window_that_follows_the_robot_keeps_the_zones() {
     let room = Room::walled(480, 120, 3);
     let mut config = config(&room);
