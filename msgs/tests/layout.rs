@@ -84,7 +84,7 @@ fn fixed_offsets_that_other_languages_rely_on() {
             size_of::<Path>(),
             size_of::<Waypoint>()
         ),
-        (160, 144, 24)
+        (200, 144, 24)
     );
     assert_eq!(Header::NAME, "zeronav.Header.v2");
 }

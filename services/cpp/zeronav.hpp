@@ -336,6 +336,7 @@ inline constexpr int REASON_REQUEST = 16;
 inline constexpr int REASON_REFUSED = 32;
 inline constexpr int REASON_NO_LOAN = 64;
 inline constexpr int REASON_TOO_LONG = 128;
+inline constexpr int REASON_ZONES = 4096;
 
 /// The messages that the author itself took in for this one; 0 = none. Everything further back is
 /// found by joining spans.
@@ -933,10 +934,40 @@ static_assert(CostModel::SCHEMA == [] {
     return hash;
 }());
 
+/// The straight way by which a robot that is in a keepout zone is let out.
+struct WayOut {
+    static constexpr const char* NAME = "zeronav.WayOut.v1";
+    static constexpr std::uint64_t SCHEMA = 0x21ddf890191647f2;
+    /// [m] map frame, where it begins.
+    double from_m[2]{};
+    /// [m] map frame, where it ends, outside of all keepout zones.
+    double until_m[2]{};
+    /// [m] to either side of the line between them; 0 = no way is open.
+    double radius_m{};
+};
+static_assert(sizeof(WayOut) == 40);
+static_assert(std::is_trivially_copyable_v<WayOut> && std::is_standard_layout_v<WayOut>);
+static_assert(offsetof(WayOut, from_m) == 0);
+static_assert(offsetof(WayOut, until_m) == 16);
+static_assert(offsetof(WayOut, radius_m) == 32);
+static_assert(WayOut::SCHEMA == [] {
+    std::uint64_t hash = fnv1a(FNV_OFFSET, WayOut::NAME);
+    hash = fnv1a(hash, "from_m");
+    hash = fnv1a_number(hash, Schema<decltype(WayOut::from_m)>::value);
+    hash = fnv1a_number(hash, offsetof(WayOut, from_m));
+    hash = fnv1a(hash, "until_m");
+    hash = fnv1a_number(hash, Schema<decltype(WayOut::until_m)>::value);
+    hash = fnv1a_number(hash, offsetof(WayOut, until_m));
+    hash = fnv1a(hash, "radius_m");
+    hash = fnv1a_number(hash, Schema<decltype(WayOut::radius_m)>::value);
+    hash = fnv1a_number(hash, offsetof(WayOut, radius_m));
+    return hash;
+}());
+
 /// Fixed fields of map messages. The slice holds tiles.
 struct MapInfo {
-    static constexpr const char* NAME = "zeronav.MapInfo.v2";
-    static constexpr std::uint64_t SCHEMA = 0xb7bd2f4e88fa7215;
+    static constexpr const char* NAME = "zeronav.MapInfo.v3";
+    static constexpr std::uint64_t SCHEMA = 0x60e694f4ef19010a;
     /// Where the grid lies.
     GridGeometry geometry{};
     /// [id] Revision that the map has after this message: the id of the update's last part.
@@ -958,8 +989,10 @@ struct MapInfo {
     std::uint32_t current{};
     /// How the cost of a cell follows from its clearance.
     CostModel cost_model{};
+    /// The way out of a keepout zone, whose cells are open.
+    WayOut way_out{};
 };
-static_assert(sizeof(MapInfo) == 160);
+static_assert(sizeof(MapInfo) == 200);
 static_assert(std::is_trivially_copyable_v<MapInfo> && std::is_standard_layout_v<MapInfo>);
 static_assert(offsetof(MapInfo, geometry) == 0);
 static_assert(offsetof(MapInfo, revision) == 32);
@@ -971,6 +1004,7 @@ static_assert(offsetof(MapInfo, n_tiles) == 116);
 static_assert(offsetof(MapInfo, clearance_limit_mm) == 120);
 static_assert(offsetof(MapInfo, current) == 124);
 static_assert(offsetof(MapInfo, cost_model) == 128);
+static_assert(offsetof(MapInfo, way_out) == 160);
 static_assert(MapInfo::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, MapInfo::NAME);
     hash = fnv1a(hash, "geometry");
@@ -1003,19 +1037,22 @@ static_assert(MapInfo::SCHEMA == [] {
     hash = fnv1a(hash, "cost_model");
     hash = fnv1a_number(hash, Schema<decltype(MapInfo::cost_model)>::value);
     hash = fnv1a_number(hash, offsetof(MapInfo, cost_model));
+    hash = fnv1a(hash, "way_out");
+    hash = fnv1a_number(hash, Schema<decltype(MapInfo::way_out)>::value);
+    hash = fnv1a_number(hash, offsetof(MapInfo, way_out));
     return hash;
 }());
 
 /// Header and fixed fields of the topic's messages.
 struct MapUpdateEnvelope {
     static constexpr const char* NAME = "zeronav.map.update.v1";
-    static constexpr std::uint64_t SCHEMA = 0x33fd3173bc1fe75e;
+    static constexpr std::uint64_t SCHEMA = 0x05b193d5f4cfde27;
     /// The header.
     Header header{};
     /// The fixed fields.
     MapInfo meta{};
 };
-static_assert(sizeof(MapUpdateEnvelope) == 288);
+static_assert(sizeof(MapUpdateEnvelope) == 328);
 static_assert(std::is_trivially_copyable_v<MapUpdateEnvelope> && std::is_standard_layout_v<MapUpdateEnvelope>);
 static_assert(offsetof(MapUpdateEnvelope, header) == 0);
 static_assert(offsetof(MapUpdateEnvelope, meta) == 128);
@@ -1095,13 +1132,13 @@ static_assert(MapTile::SCHEMA == [] {
 /// Header and fixed fields of the topic's messages.
 struct MapKeyframeEnvelope {
     static constexpr const char* NAME = "zeronav.map.keyframe.v1";
-    static constexpr std::uint64_t SCHEMA = 0xcaaa8446f9d1189d;
+    static constexpr std::uint64_t SCHEMA = 0x243114dd09615064;
     /// The header.
     Header header{};
     /// The fixed fields.
     MapInfo meta{};
 };
-static_assert(sizeof(MapKeyframeEnvelope) == 288);
+static_assert(sizeof(MapKeyframeEnvelope) == 328);
 static_assert(std::is_trivially_copyable_v<MapKeyframeEnvelope> && std::is_standard_layout_v<MapKeyframeEnvelope>);
 static_assert(offsetof(MapKeyframeEnvelope, header) == 0);
 static_assert(offsetof(MapKeyframeEnvelope, meta) == 128);
@@ -3116,7 +3153,7 @@ struct map_update {
     using Envelope = MapUpdateEnvelope;
     using Item = MapTile;
     static constexpr const char* NAME = "map/update";
-    static constexpr std::uint64_t SCHEMA = 0xd9d118ec80683c4f;
+    static constexpr std::uint64_t SCHEMA = 0xc6a1406d687e61c3;
     static constexpr std::size_t NUMBER = 3;
     static constexpr std::size_t LEN_MAX = 60;
     static constexpr std::size_t BUFFER = 32;
@@ -3130,7 +3167,7 @@ struct map_keyframe {
     using Envelope = MapKeyframeEnvelope;
     using Item = MapTile;
     static constexpr const char* NAME = "map/keyframe";
-    static constexpr std::uint64_t SCHEMA = 0xd4f8f667ac1d8d9f;
+    static constexpr std::uint64_t SCHEMA = 0x1228f06e42e1b3f0;
     static constexpr std::size_t NUMBER = 4;
     static constexpr std::size_t LEN_MAX = 16384;
     static constexpr std::size_t BUFFER = 2;

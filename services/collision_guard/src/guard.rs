@@ -14,6 +14,7 @@ use crate::zones::{Held, ZoneRules};
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::map::MapInfo;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::time::seconds;
@@ -135,9 +136,10 @@ impl Guard {
         self.zones.set(set);
     }
 
-    /// Takes in how the map lies to odometry, and whether mapping knows where the robot is on it.
-    pub fn locate(&mut self, map_from_odom: Pose, knows_pose: bool) {
-        self.zones.locate(map_from_odom, knows_pose);
+    /// Takes in what the newest map says of itself: how it lies to odometry, whether mapping knows where the robot is on it,
+    /// and the way out of a keepout zone.
+    pub fn locate(&mut self, map: &MapInfo) {
+        self.zones.locate(map);
     }
 
     /// Takes in whether zones were announced that have not come: then the robot stops.

@@ -95,8 +95,8 @@ impl GuardService {
         }
         let is_missing = self.readings.zones.is_missing(shell.roster());
         self.guard.lacks_zones(is_missing);
-        if let Some((map_from_odom, knows_pose)) = self.readings.located(shell)? {
-            self.guard.locate(map_from_odom, knows_pose);
+        if let Some(map) = self.readings.located(shell)? {
+            self.guard.locate(&map);
         }
         Ok(())
     }

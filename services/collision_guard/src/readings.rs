@@ -3,6 +3,7 @@
 use zeronav_collision_guard::{GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::Pose;
 use zeronav_msgs::header::Parents;
+use zeronav_msgs::map::MapInfo;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::{ControlRequest, MapUpdate, RobotDescription, RobotScan};
 use zeronav_shell::{
@@ -77,12 +78,11 @@ impl Readings {
         trigger
     }
 
-    /// How the newest map lies to odometry, and whether mapping knows where the robot is, when that is
-    /// news and there are zones.
+    /// What the newest map says of itself, when that is news and there are zones.
     ///
     /// # Errors
     /// As [`Peer::latest`].
-    pub(crate) fn located(&mut self, shell: &Shell) -> Result<Option<(Pose, bool)>, StartError> {
+    pub(crate) fn located(&mut self, shell: &Shell) -> Result<Option<MapInfo>, StartError> {
         if self.map.is_none() {
             if self.zones.set().is_empty() {
                 return Ok(None);
@@ -97,7 +97,7 @@ impl Readings {
         }
         // The idle output of a process that begins has seen nothing yet.
         let seen = map.get().filter(|view| view.header.parents.scan != 0);
-        let located = seen.map(|view| (view.meta.map_from_odom, view.meta.certainty().is_known()));
+        let located = seen.map(|view| *view.meta);
         // The tiles are large, and of no use here.
         map.release();
         Ok(located)

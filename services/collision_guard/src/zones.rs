@@ -6,8 +6,9 @@
 //! the first one and after odometry has jumped, the lowest limit of all zones holds, and where there are keepout
 //! zones the robot may only turn.
 //!
-//! A robot whose outline is in a keepout zone is let out: its centre may go where the way out is no
-//! longer, and turn; what it has gained on its way it does not lose again, in another zone neither.
+//! A robot whose outline is in a keepout zone is let out: its centre may go where it is no farther to the zones' edge,
+//! or along the way out that mapping has opened, which knows the walls; and it may turn. What it has gained on either
+//! it does not lose again, in another zone neither.
 
 use crate::limits::Limits;
 use crate::verdict::{LEAD_S, STARTS, fastest_free};
@@ -15,6 +16,7 @@ use core::f64::consts::TAU;
 use nalgebra::Point2;
 use zeronav_motion::Twist;
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::map::{MapInfo, WayOut};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::zone_set::Keepouts;
 use zeronav_msgs::zones::ZoneKind;
@@ -34,6 +36,41 @@ const POINTS_MAX: f64 = 256.0;
 
 /// By how much the way out may get longer, in all, while the robot is inside: the noise of its pose. [m]
 const NOISE_M: f64 = 0.02;
+
+/// How far into the keepout zones a robot that is inside may go: what its centre has gained. [m]
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Gained {
+    /// How far it may lie in them, below 0.
+    margin_m: f64,
+    /// How far it may be from the end of the way out.
+    left_m: f64,
+}
+
+impl Gained {
+    /// At a place.
+    fn at(zones: &ZoneSet, way_out: Option<&WayOut>, at: Point2<f64>) -> Self {
+        Self {
+            margin_m: zones.keepout_margin_m(at),
+            left_m: way_out.map_or(f64::NEG_INFINITY, |way| way.left_m(at)),
+        }
+    }
+
+    /// The better one of both.
+    fn or(self, other: Self) -> Self {
+        Self {
+            margin_m: self.margin_m.max(other.margin_m),
+            left_m: self.left_m.min(other.left_m),
+        }
+    }
+
+    /// With room for the noise of a pose, but no less than here.
+    fn with_noise(self, here: Self) -> Self {
+        Self {
+            margin_m: here.margin_m.min(self.margin_m - NOISE_M),
+            left_m: here.left_m.max(self.left_m + NOISE_M),
+        }
+    }
+}
 
 /// What zones make of a motion that is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,8 +98,9 @@ pub(crate) struct ZoneRules {
     /// Points of the outline in `base`, and the farthest of it. [m]
     outline: Vec<Point2<f64>>,
     radius_m: f64,
-    /// While the outline is in a keepout zone: the shortest way out that the centre has had, below 0. [m]
-    least_m: Option<f64>,
+    way_out: Option<WayOut>,
+    /// While the outline is in a keepout zone: the best that the centre has come to.
+    gained: Option<Gained>,
 }
 
 impl ZoneRules {
@@ -70,21 +108,29 @@ impl ZoneRules {
     pub(crate) fn set(&mut self, set: &ZoneSet) {
         self.set.clone_from(set);
         // What is around the robot is another zone now.
-        self.least_m = None;
+        self.gained = None;
     }
 
-    /// Takes in how the map lies to odometry, and whether the robot knows where it is on it.
-    pub(crate) fn locate(&mut self, map_from_odom: Pose, is_known: bool) {
-        self.is_known = is_known;
-        if is_known {
-            self.known = Some(map_from_odom);
+    /// Takes in how the map lies to odometry, whether the robot knows where it is on it, and the way out.
+    pub(crate) fn locate(&mut self, map: &MapInfo) {
+        self.is_known = map.certainty().is_known();
+        if self.is_known {
+            self.known = Some(map.map_from_odom);
+        }
+        let way_out = Some(map.way_out).filter(WayOut::is_open);
+        if way_out != self.way_out {
+            self.way_out = way_out;
+            // How far it is to the end of another way is another length.
+            if let Some(gained) = &mut self.gained {
+                gained.left_m = f64::INFINITY;
+            }
         }
     }
 
     /// Odometry does not go on from where it was: the last pose that was known says nothing.
     pub(crate) fn forget_pose(&mut self) {
         self.known = None;
-        self.least_m = None;
+        self.gained = None;
     }
 
     /// Takes in another robot.
@@ -153,25 +199,24 @@ impl ZoneRules {
             measured,
             limits,
             reaction_s,
+            way_out: self.way_out.as_ref(),
         };
         let reach_m = self.radius_m + way.reach_m(twist);
         way.near = self.set.keepouts_near(pose.point(), reach_m);
         if way.near.is_empty() {
-            self.least_m = None;
+            self.gained = None;
             return held;
         }
-        let least_m = way
-            .is_inside(&pose)
-            .then(|| self.set.keepout_margin_m(pose.point()));
-        // It may not creep in: what counts is the shortest way out so far.
-        self.least_m = least_m.map(|now_m| now_m.max(self.least_m.unwrap_or(now_m)));
-        let floor_m = least_m
-            .zip(self.least_m)
-            .map(|(now_m, best_m)| now_m.min(best_m - NOISE_M));
-        if way.is_free(twist, floor_m) {
+        let here = (way.is_inside(&pose)).then(|| Gained::at(&self.set, way.way_out, pose.point()));
+        // It may not creep in: what counts is the best so far.
+        self.gained = here.map(|here| self.gained.map_or(here, |best| best.or(here)));
+        let floor = here
+            .zip(self.gained)
+            .map(|(here, best)| best.with_noise(here));
+        if way.is_free(twist, floor) {
             return held;
         }
-        let slower = fastest_free(twist, |slower| way.is_free(slower, floor_m).then_some(0.0));
+        let slower = fastest_free(twist, |slower| way.is_free(slower, floor).then_some(0.0));
         slower.map_or(Held::Stop, |(slower, _)| Held::Short(slower))
     }
 
@@ -230,6 +275,7 @@ struct Way<'a> {
     measured: Twist,
     limits: &'a Limits,
     reaction_s: f64,
+    way_out: Option<&'a WayOut>,
 }
 
 impl Way<'_> {
@@ -248,25 +294,33 @@ impl Way<'_> {
         self.near.hold(pose.point()) || points.any(|point| self.near.hold(pose.transform(*point)))
     }
 
-    /// True when a robot may go on to a pose: outside of all keepout zones; one that is in one also where the margin of its
-    /// centre is `floor_m`, so that it may turn. From there on the way may lead no farther in again.
-    fn may_go_on(&self, pose: &Pose, floor_m: &mut Option<f64>) -> bool {
+    /// True when a robot may go on to a pose: outside of all keepout zones; one that is in one also where its centre
+    /// has come at least as far as `floor` on one of the ways out, so that it may turn. From there on the way may
+    /// lead no farther in again.
+    fn may_go_on(&self, pose: &Pose, floor: &mut Option<Gained>) -> bool {
         if !self.is_inside(pose) {
-            *floor_m = None;
+            *floor = None;
             return true;
         }
-        let margin_m = self.zones.keepout_margin_m(pose.point());
-        let is_free = floor_m.is_some_and(|floor_m| margin_m >= floor_m);
-        *floor_m = floor_m.map(|floor_m| floor_m.max(margin_m - NOISE_M));
+        let Some(least) = floor else {
+            return false;
+        };
+        let at = pose.point();
+        let here = Gained::at(self.zones, self.way_out, at);
+        let is_on_way = self
+            .way_out
+            .is_some_and(|way| way.distance_m(at) <= way.radius_m);
+        let is_free = here.margin_m >= least.margin_m || is_on_way && here.left_m <= least.left_m;
+        *least = least.or(here.with_noise(here));
         is_free
     }
 
     /// True when it may be everywhere on the way, whenever braking begins.
-    fn is_free(&self, twist: Twist, floor_m: Option<f64>) -> bool {
+    fn is_free(&self, twist: Twist, floor: Option<Gained>) -> bool {
         STARTS.iter().all(|share| {
             let obeyed_s = share * self.reaction_s;
             let (mut pose, mut now, mut elapsed_s) = (self.pose, self.measured, 0.0);
-            let mut floor_m = floor_m;
+            let mut floor = floor;
             for _ in 0..STEPS_MAX {
                 let next = if elapsed_s < obeyed_s {
                     self.limits.towards(now, twist, STEP_S)
@@ -274,7 +328,7 @@ impl Way<'_> {
                     self.limits.towards_rest(now, STEP_S)
                 };
                 pose = pose.then(&now.mean(next).arc(STEP_S));
-                if !self.may_go_on(&pose, &mut floor_m) {
+                if !self.may_go_on(&pose, &mut floor) {
                     return false;
                 }
                 (now, elapsed_s) = (next, elapsed_s + STEP_S);

@@ -183,6 +183,7 @@ impl MapOutput {
             parts: 1,
             current: u32::from(self.current),
             cost_model: mapping.mapper().cost_model(),
+            way_out: mapping.mapper().way_out().unwrap_or_default(),
             ..MapInfo::default()
         }
     }

@@ -4,34 +4,19 @@
 //! Nothing of this is belief: scans neither mark nor clear it, and localisation does not see it.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_msgs::map::WayOut;
 use zeronav_msgs::zone_marks::MARK_KEEPOUT;
-use zeronav_msgs::zone_shape::distance_m;
 use zeronav_msgs::zones::ZoneKind;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, ZoneSet};
 
 /// Directions in which a way out is looked for.
 const WAYS: u32 = 32;
 
-/// A way out of a keepout zone: what is nearer than `radius_m` to the line is open.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct WayOut {
-    from: Point2<f64>,
-    until: Point2<f64>,
-    radius_m: f64,
-}
-
-impl WayOut {
-    /// From a point to the line. [m]
-    fn distance_m(&self, at: Point2<f64>) -> f64 {
-        distance_m(&[self.from, self.until], at)
-    }
-
-    /// The cells that may lie on it.
-    pub(crate) fn cells(&self, geometry: &GridGeometry) -> CellRect {
-        let least = self.from.inf(&self.until) - Vector2::repeat(self.radius_m);
-        let most = self.from.sup(&self.until) + Vector2::repeat(self.radius_m);
-        cells_between(geometry, least, most)
-    }
+/// The cells that may lie on a way out.
+pub(crate) fn cells_on(way: &WayOut, geometry: &GridGeometry) -> CellRect {
+    let (from, until) = (Point2::from(way.from_m), Point2::from(way.until_m));
+    let aside = Vector2::repeat(way.radius_m);
+    cells_between(geometry, from.inf(&until) - aside, from.sup(&until) + aside)
 }
 
 /// The cells of the grid in an upright rectangle, and those beside it.
@@ -201,7 +186,7 @@ impl ZonePaint {
             return None;
         }
         if let Some(way) = on_way {
-            let left = way.until - robot;
+            let left = Point2::from(way.until_m) - robot;
             let left_m = left.norm();
             let Some(towards) = left.try_normalize(step_m) else {
                 return Some(way);
@@ -209,7 +194,7 @@ impl ZonePaint {
             let steps = core::iter::successors(Some(0.0), |at_m| Some(at_m + step_m));
             let mut on_it = steps.take_while(|at_m| *at_m < left_m);
             let is_free = on_it.all(|at_m| is_passable(towards, robot + towards * at_m));
-            if is_free && is_out(towards, way.until) {
+            if is_free && is_out(towards, way.until_m.into()) {
                 return Some(way);
             }
         }
@@ -238,8 +223,8 @@ impl ZonePaint {
         });
         let shortest = ways.min_by(|one, other| one.0.total_cmp(&other.0));
         shortest.map(|(_, until)| WayOut {
-            from: robot,
-            until,
+            from_m: robot.into(),
+            until_m: until.into(),
             radius_m,
         })
     }

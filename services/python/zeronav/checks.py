@@ -135,6 +135,9 @@ def _map(meta, tiles, tiles_max):
     pose(meta.map_from_odom, "map_from_odom")
     for value in meta.covariance:
         number(value, -1e12, 1e12, "covariance")
+    for value in (*meta.way_out.from_m, *meta.way_out.until_m):
+        number(value, -c.COORDINATE_M_MAX, c.COORDINATE_M_MAX, "way_out")
+    number(meta.way_out.radius_m, 0, c.COORDINATE_M_MAX, "way_out.radius_m")
     ensure(meta.revision != 0, "identity without epoch or count")
     ensure(1 <= meta.parts and meta.part < meta.parts, "part is out of range")
     ensure(1 <= meta.clearance_limit_mm <= 0xFFFF, "clearance_limit_mm is out of range")

@@ -275,6 +275,7 @@ REASON_REQUEST = 16
 REASON_REFUSED = 32
 REASON_NO_LOAN = 64
 REASON_TOO_LONG = 128
+REASON_ZONES = 4096
 
 
 class Parents(Message):
@@ -572,13 +573,30 @@ class CostModel(Message):
     ]
 
 
+class WayOut(Message):
+    """The straight way by which a robot that is in a keepout zone is let out."""
+
+    NAME = "zeronav.WayOut.v1"
+    SIZE = 40
+    SCHEMA = 0x21ddf890191647f2
+    OFFSETS = (0, 16, 32)
+    _fields_ = [
+        # [m] map frame, where it begins.
+        ("from_m", f64 * 2),
+        # [m] map frame, where it ends, outside of all keepout zones.
+        ("until_m", f64 * 2),
+        # [m] to either side of the line between them; 0 = no way is open.
+        ("radius_m", f64),
+    ]
+
+
 class MapInfo(Message):
     """Fixed fields of map messages. The slice holds tiles."""
 
-    NAME = "zeronav.MapInfo.v2"
-    SIZE = 160
-    SCHEMA = 0xb7bd2f4e88fa7215
-    OFFSETS = (0, 32, 40, 64, 112, 114, 116, 120, 124, 128)
+    NAME = "zeronav.MapInfo.v3"
+    SIZE = 200
+    SCHEMA = 0x60e694f4ef19010a
+    OFFSETS = (0, 32, 40, 64, 112, 114, 116, 120, 124, 128, 160)
     _fields_ = [
         # Where the grid lies.
         ("geometry", GridGeometry),
@@ -601,6 +619,8 @@ class MapInfo(Message):
         ("current", u32),
         # How the cost of a cell follows from its clearance.
         ("cost_model", CostModel),
+        # The way out of a keepout zone, whose cells are open.
+        ("way_out", WayOut),
     ]
 
 
@@ -608,8 +628,8 @@ class MapUpdateEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.map.update.v1"
-    SIZE = 288
-    SCHEMA = 0x33fd3173bc1fe75e
+    SIZE = 328
+    SCHEMA = 0x05b193d5f4cfde27
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -659,8 +679,8 @@ class MapKeyframeEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.map.keyframe.v1"
-    SIZE = 288
-    SCHEMA = 0xcaaa8446f9d1189d
+    SIZE = 328
+    SCHEMA = 0x243114dd09615064
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1719,7 +1739,7 @@ MAP_UPDATE = Topic(
     len_max=60,
     buffer=32,
     pool=46,
-    schema=0xd9d118ec80683c4f,
+    schema=0xc6a1406d687e61c3,
 )
 
 MAP_KEYFRAME = Topic(
@@ -1734,7 +1754,7 @@ MAP_KEYFRAME = Topic(
     len_max=16384,
     buffer=2,
     pool=4,
-    schema=0xd4f8f667ac1d8d9f,
+    schema=0x1228f06e42e1b3f0,
 )
 
 MAP_OBSTACLES = Topic(
@@ -2106,6 +2126,7 @@ for _message in (
     RobotOdometryEnvelope,
     GridGeometry,
     CostModel,
+    WayOut,
     MapInfo,
     MapUpdateEnvelope,
     MapCell,

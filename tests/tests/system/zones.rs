@@ -74,6 +74,19 @@ fn a_robot_that_starts_in_a_zone_is_let_out_and_drives_around_it() {
     );
 }
 
+/// The zone fills a blind aisle from wall to wall: its nearest edge lies behind the wall at the robot's back.
+#[test]
+fn a_robot_in_a_blind_aisle_is_let_out_of_it() {
+    let folder = TempDir::new().expect("a folder");
+    std::fs::write(folder.path().join("it.toml"), BLIND_AISLE).expect("written");
+    let arguments = ["run", "./it.toml", "--lockstep", "--headless", "--json"];
+    let result = Zeronav::start_in(folder, &arguments).finish().expect(0);
+    assert_eq!(result["verdict"], "pass", "{result:#}");
+    assert_eq!(result["contacts"], 0);
+    let track = track(&result);
+    assert!(is_in(track[0], [0.2, 2.6, 6.0, 5.4]), "it starts inside");
+}
+
 /// Every service is killed on the way, one after the other.
 #[test]
 fn zones_survive_the_death_of_every_service() {
@@ -106,6 +119,28 @@ fn zones_survive_the_death_of_every_service() {
     );
     assert!(result["time_s"].as_f64() > Some(45.0));
 }
+
+const BLIND_AISLE: &str = r#"
+title = "started in a closed blind aisle"
+base = ["hall", "porter"]
+start = [1.2, 4.0, 0.0]
+goals = [{ pose = [11.5, 4.0, 0.0] }]
+run = { time_limit_s = 60.0 }
+expect = { outcome = "reached" }
+
+[world]
+shapes = [
+    { kind = "box", centre_m = [0.1, 4.0], size_m = [0.2, 8.0] },
+    { kind = "box", centre_m = [3.1, 2.5], size_m = [5.8, 0.2] },
+    { kind = "box", centre_m = [3.1, 5.5], size_m = [5.8, 0.2] },
+    { kind = "box", centre_m = [13.9, 4.0], size_m = [0.2, 8.0] },
+]
+
+[[zones]]
+name = "store"
+kind = "keepout"
+polygon = [[0.2, 2.6], [6.0, 2.6], [6.0, 5.4], [0.2, 5.4]]
+"#;
 
 const HALL: &str = r#"
 title = "zones by hand"

@@ -8,6 +8,7 @@ use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, Limits, OdometryI
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
+use zeronav_msgs::map::{MapInfo, WayOut};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::zones::{ZoneKind, ZonePart, Zones};
@@ -35,6 +36,16 @@ fn rect(kind: ZoneKind, value: f64, [x0, y0, x1, y1]: [f64; 4]) -> ZonePart {
 
 fn keepout(corners: [f64; 4]) -> ZonePart {
     rect(ZoneKind::Keepout, 0.0, corners)
+}
+
+/// What mapping says.
+fn map(map_from_odom: Pose, is_known: bool) -> MapInfo {
+    let most = if is_known { 0.0 } else { 100.0 };
+    MapInfo {
+        map_from_odom,
+        covariance: [most, 0.0, 0.0, most, 0.0, most],
+        ..MapInfo::default()
+    }
 }
 
 /// A robot in an empty plain; the map lies turned to odometry.
@@ -84,7 +95,7 @@ impl Drive {
         let mut guard = Guard::new(GuardConfig::default());
         guard.take_zones(zones);
         let map_from_odom = Pose::new(3.0, -2.0, 0.7);
-        guard.locate(map_from_odom, true);
+        guard.locate(&map(map_from_odom, true));
         Self {
             guard,
             limits: Limits::of(&description).expect("limits"),
@@ -340,7 +351,7 @@ fn an_uncertain_pose_lifts_no_limit_and_opens_no_zone() {
         drive.step(Twist::new(1.0, 0.0));
     }
     // It is lost; what mapping says now is not believed.
-    drive.guard.locate(Pose::new(50.0, 50.0, 1.0), false);
+    drive.guard.locate(&map(Pose::new(50.0, 50.0, 1.0), false));
     for _ in 0..600 {
         drive.step(Twist::new(1.0, 0.0));
         assert!(drive.twist.v_mps < 0.301, "beyond the zone, too");
@@ -358,7 +369,7 @@ fn a_robot_that_never_knew_its_pose_is_slow_and_only_turns_among_keepout_zones()
     let mut lost = Drive::new(Pose::new(20.0, 0.0, 0.0), &ZoneSet::default());
     lost.guard = Guard::new(GuardConfig::default());
     lost.guard.take_zones(&set(&[slow]));
-    lost.guard.locate(Pose::default(), false);
+    lost.guard.locate(&map(Pose::default(), false));
     for _ in 0..100 {
         lost.step(Twist::new(1.0, 0.0));
     }
@@ -393,7 +404,7 @@ fn a_pose_that_odometry_jumped_away_from_is_not_gone_on_from() {
     }
     assert!(drive.twist.is_stopped());
     // Mapping has found it.
-    drive.guard.locate(drive.map_from_odom, true);
+    drive.guard.locate(&map(drive.map_from_odom, true));
     for _ in 0..50 {
         drive.step(Twist::new(0.5, 0.0));
     }
@@ -415,4 +426,45 @@ fn zones_that_were_announced_and_have_not_come_stop_the_robot() {
     drive.guard.lacks_zones(false);
     let command = drive.step(Twist::new(1.0, 0.0));
     assert_eq!(command.intervention(), Some(Intervention::None));
+}
+
+/// A blind aisle, and a zone from its back wall to beyond the robot: the nearest edge lies behind the wall.
+#[test]
+fn a_robot_gets_out_by_the_way_that_mapping_has_opened() {
+    let zones = set(&[keepout([0.0, -1.2, 6.0, 1.2])]);
+    let mut drive = Drive::new(Pose::new(0.6, 0.0, 0.0), &zones);
+    for _ in 0..50 {
+        drive.step(Twist::new(0.5, 0.0));
+    }
+    let command = drive.step(Twist::new(0.5, 0.0));
+    assert_eq!(command.intervention(), Some(Intervention::ZoneStopped));
+    assert!(drive.pose.x_m < 0.63, "{:?}", drive.pose);
+    let out = MapInfo {
+        way_out: WayOut {
+            from_m: [0.6, 0.0],
+            until_m: [6.5, 0.0],
+            radius_m: 0.5,
+        },
+        ..map(drive.map_from_odom, true)
+    };
+    drive.guard.locate(&out);
+    // Off the way the edge still counts.
+    let mut aside = Drive::new(Pose::new(0.6, 0.0, 0.0), &zones);
+    let off_m = [1.0, 2.0].map(|y_m| [0.6, y_m]);
+    let off = MapInfo {
+        way_out: WayOut {
+            from_m: off_m[0],
+            until_m: off_m[1],
+            radius_m: 0.5,
+        },
+        ..out
+    };
+    aside.guard.locate(&off);
+    for (drive, least_m, most_m) in [(&mut drive, 6.4, 9.0), (&mut aside, 0.6, 0.63)] {
+        for _ in 0..800 {
+            drive.step(Twist::new(0.5, 0.0));
+        }
+        let x_m = drive.pose.x_m;
+        assert!((least_m..most_m).contains(&x_m), "{x_m}");
+    }
 }

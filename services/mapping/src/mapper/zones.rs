@@ -4,7 +4,9 @@
 use super::Mapper;
 use crate::clearance::ClearanceField;
 use crate::rows_around::cell_at;
+use crate::zone_paint::cells_on;
 use nalgebra::Point2;
+use zeronav_msgs::map::WayOut;
 use zeronav_msgs::{Cell, CellRect, ZoneSet};
 
 impl Mapper {
@@ -36,7 +38,7 @@ impl Mapper {
         self.zones.open(wanted);
         let mut changed = Vec::new();
         for way in [open, wanted].into_iter().flatten() {
-            let CellRect { min, max } = way.cells(&self.geometry);
+            let CellRect { min, max } = cells_on(&way, &self.geometry);
             for y in min.y..max.y {
                 let cells = (min.x..max.x).map(|x| Cell::new(x, y));
                 changed.extend(cells.filter_map(|cell| self.geometry.index_of(cell)));
@@ -61,10 +63,10 @@ impl Mapper {
         Some(squares.map(|square| self.values.get(*square).0).collect())
     }
 
-    /// True while a way out of a keepout zone is open.
+    /// The way out of a keepout zone that is open.
     #[must_use]
-    pub fn is_letting_out(&self) -> bool {
-        self.zones.way_out().is_some()
+    pub fn way_out(&self) -> Option<WayOut> {
+        self.zones.way_out()
     }
 
     /// True for a cell that is an obstacle to planners: one of the world, or of a keepout zone.

@@ -209,7 +209,7 @@ fn a_robot_inside_is_let_out_on_the_shortest_way_that_no_wall_bars() {
     let cell = |mapping: &Mapping, x, y| at(mapping.mapper(), &room, x, y);
     assert_eq!(cell(&mapping, 50.5, 50.5).cost, COST_LETHAL);
     drive_to(&mut mapping, &room, (50.5, 50.5), 5);
-    assert!(mapping.mapper().is_letting_out());
+    assert!(mapping.mapper().way_out().is_some());
     // To the right, and nowhere else.
     for x in 50..75 {
         let on_way = cell(&mapping, f64::from(x) + 0.5, 50.5);
@@ -225,14 +225,14 @@ fn a_robot_inside_is_let_out_on_the_shortest_way_that_no_wall_bars() {
     // Behind the robot it is closed again.
     for (n, x) in [55.5, 60.5, 66.5].into_iter().enumerate() {
         drive_to(&mut mapping, &room, (x, 50.5), 6 + n as u64);
-        assert!(mapping.mapper().is_letting_out(), "{x}");
+        assert!(mapping.mapper().way_out().is_some(), "{x}");
     }
     drive_to(&mut mapping, &room, (76.5, 50.5), 10);
-    assert!(!mapping.mapper().is_letting_out());
+    assert!(!mapping.mapper().way_out().is_some());
     assert_eq!(cell(&mapping, 55.5, 50.5).cost, COST_LETHAL);
     // And it does not open for one that passes by.
     drive_to(&mut mapping, &room, (66.5, 50.5), 11);
-    assert!(!mapping.mapper().is_letting_out());
+    assert!(!mapping.mapper().way_out().is_some());
 }
 
 #[test]
