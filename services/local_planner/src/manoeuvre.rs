@@ -41,8 +41,10 @@ const ELSEWHERE_M: f64 = 0.1;
 const ELSEWHERE_RAD: f64 = 0.15;
 
 /// [s] that a manoeuvre waits for its next piece to become free, for the pilot and for who checks its
-/// commands.
+/// commands; and [s] less with every pose of it that is passed: by steps of noise beside an obstacle it does not
+/// get on.
 const PATIENCE_S: f64 = 3.0;
+const REGAINED_S: f64 = 0.5;
 
 /// [m] kept besides the margin that every command is checked with: errors of following.
 const SPARE_M: f64 = 0.004;
@@ -247,11 +249,12 @@ impl Manoeuvre {
     /// searched for again once, so that nothing swings beside what the robot stands at.
     pub(crate) fn note(&mut self, period_s: f64) {
         let driven = self.track.driven();
-        if driven != self.driven || self.phase != Phase::Driving {
-            (self.driven, self.waited_s) = (driven, 0.0);
+        let passed = driven.saturating_sub(core::mem::replace(&mut self.driven, driven));
+        if self.phase != Phase::Driving {
+            self.waited_s = 0.0;
             return;
         }
-        self.waited_s += period_s;
+        self.waited_s = waited_s(self.waited_s, period_s, passed);
         if self.waited_s > PATIENCE_S {
             self.phase = if self.careful {
                 Phase::Over(End::Blocked)
@@ -386,6 +389,13 @@ impl Manoeuvre {
     }
 }
 
+/// How long it has not got on after another period [s] in which so many poses were passed. [s]
+fn waited_s(before_s: f64, period_s: f64, passed: usize) -> f64 {
+    #[allow(clippy::cast_precision_loss, reason = "a few poses")]
+    let regained_s = REGAINED_S * passed as f64;
+    (before_s + period_s - regained_s).max(0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -403,7 +413,7 @@ mod tests {
         manoeuvre.phase = Phase::Driving;
         assert_eq!(waits(&mut manoeuvre, 29), Phase::Driving);
         // It gets on.
-        let there = Pose::new(0.1, 0.0, 0.0);
+        let there = Pose::new(0.16, 0.0, 0.0);
         manoeuvre.track.step(&robot(), &there, Twist::REST);
         assert_eq!(waits(&mut manoeuvre, 29), Phase::Driving);
         assert!(!manoeuvre.careful);
@@ -416,5 +426,25 @@ mod tests {
         assert!(manoeuvre.careful);
         manoeuvre.begin(&Pose::new(3.0, 0.0, 0.0));
         assert!(!manoeuvre.careful);
+    }
+
+    /// After how many periods of 20 ms it has waited too long when every `every`th passes a pose.
+    fn given_up_after(every: u32) -> Option<u32> {
+        let mut waited = 0.0;
+        (1..=1500).find(|n| {
+            waited = waited_s(waited, 0.02, usize::from(n % every == 0));
+            waited > PATIENCE_S
+        })
+    }
+
+    #[test]
+    fn what_gets_on_by_steps_of_noise_alone_is_given_up() {
+        let standing = given_up_after(2000).expect("given up");
+        assert!((150..=151).contains(&standing), "{standing}");
+        // 0.05 rad a second.
+        let slow = given_up_after(50).expect("given up");
+        assert!((250..350).contains(&slow), "{slow}");
+        // As slow as an arc without clearance: 2 cm at 0.08 m/s.
+        assert_eq!(given_up_after(12), None);
     }
 }
