@@ -71,13 +71,37 @@ pub(crate) fn still(run: &Recording) -> String {
         ),
         area_m: run.area_m,
         walls_m: run.walls_m.clone(),
-        areas: areas(run),
+        areas: zones(run).into_iter().chain(areas(run)).collect(),
         lines: lines(run),
         start_m: run.robot.first().map_or(run.area_m[0], |at| [at[1], at[2]]),
         goals_m: run.goals.iter().map(|goal| [goal[0], goal[1]]).collect(),
         robot_radius_m: run.footprint_m.iter().map(reach_m).fold(0.0, f64::max),
     };
     picture.to_svg()
+}
+
+/// The zones that held last.
+fn zones(run: &Recording) -> Vec<Area> {
+    let frames = run
+        .scene
+        .as_ref()
+        .and_then(|scene| scene["frames"].as_array());
+    let newest = frames.and_then(|frames| {
+        let mut zones = frames.iter().rev().map(|frame| &frame["zones"]);
+        zones.find_map(|zones| serde_json::from_value(zones.clone()).ok())
+    });
+    let zones: Vec<(String, String, f64, Vec<[f64; 2]>)> = newest.unwrap_or_default();
+    let area = |(name, kind, _, corners_m): (String, String, f64, _)| Area {
+        name: format!("zone {name}, {}", kind.replace('_', " ")),
+        colour: match kind.as_str() {
+            "keepout" => "#f4b6b6",
+            "lane" => "#c6e2f2",
+            "cost" => "#dccbe8",
+            _ => "#fbe3a6",
+        },
+        corners_m,
+    };
+    zones.into_iter().map(area).collect()
 }
 
 /// The scripted obstacles where they were last.

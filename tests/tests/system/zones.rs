@@ -1,6 +1,7 @@
 //! Zones on the real processes: around, out of, slow, live, and after the death of every service.
 
 use serde_json::Value;
+use std::path::Path;
 use tempfile::TempDir;
 use zeronav_tests::up::Up;
 use zeronav_tests::{Ended, Zeronav, zeronav};
@@ -50,6 +51,11 @@ fn a_closed_aisle_is_driven_around_and_a_slow_one_slowly() {
     let time_s = slow["time_s"].as_f64().expect("a time") + 0.001;
     let told = zeronav(&["why", &folder_of(&ended, &result), &time_s.to_string()]).stdout;
     assert!(told.contains("Slow: zone `ramp`, 0.5 m/s."), "{told}");
+    let picture = std::fs::read_to_string(Path::new(&folder_of(&ended, &result)).join("run.svg"));
+    says(
+        &picture.expect("a picture"),
+        &["zone ramp, speed limit", "keepout</title>"],
+    );
     // The planner slows down in time: the guard has nothing to do.
     let stops = reasons
         .iter()
