@@ -1,5 +1,6 @@
 //! How far the robot knows where it is, by the covariance of its pose.
 
+use crate::codes;
 use crate::map::MapInfo;
 
 /// Standard deviation of a coordinate from which on the robot does not know where it is. [m]
@@ -14,17 +15,19 @@ pub const POSE_SIGMA_TOLD: (f64, f64) = (0.6, 0.3);
 /// The same of a pose that is not confirmed, at least. [m, rad]
 const UNCONFIRMED: (f64, f64) = (0.55, 0.25);
 
-/// How far the robot knows where it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub enum PoseCertainty {
-    /// It does not: it stands, and nothing can be said of a goal.
-    #[default]
-    Unknown,
-    /// It was told, and what it sees neither contradicts nor confirms that: it may drive, but neither claims an arrival
-    /// nor gives up a goal.
-    Unconfirmed,
-    /// It does.
-    Confirmed,
+codes! {
+    /// How far the robot knows where it is.
+    #[derive(Default)]
+    pub enum PoseCertainty: u16 {
+        /// It does not: it stands, and nothing can be said of a goal.
+        #[default]
+        Unknown = 0 => "unknown",
+        /// It was told, and what it sees neither contradicts nor confirms that: it may drive, but neither claims an
+        /// arrival nor gives up a goal.
+        Unconfirmed = 1 => "unconfirmed",
+        /// It does.
+        Confirmed = 2 => "confirmed",
+    }
 }
 
 impl PoseCertainty {

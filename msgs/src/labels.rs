@@ -1,5 +1,6 @@
 //! The words for the codes in messages, by the name of their enum.
 
+use crate::certainty::PoseCertainty;
 use crate::command::{Intervention, PlannerInput, RecoveryReason, RequestCause, Validity};
 use crate::health::HealthState;
 use crate::map::ObstacleSource;
@@ -38,6 +39,7 @@ labels!(
     PathCause,
     PathStatus,
     PlannerInput,
+    PoseCertainty,
     RecoveryReason,
     RequestCause,
     RequestReason,

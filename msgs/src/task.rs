@@ -1,5 +1,6 @@
 //! `task/goal` and `task/status`: where to, and what became of it.
 
+use crate::certainty::PoseCertainty;
 use crate::map::ObstacleSource;
 use crate::message::{COORDINATE_M_MAX, Refusal, ZeroCopySend, ensure, number};
 use crate::path::PathBlock;
@@ -102,16 +103,20 @@ message! {
 }
 
 message! {
-    /// Where the robot really is, as a person knows it: mapping puts it there.
+    /// Where the robot is, as a person says, or as mapping knew before it ended: mapping puts it there.
     ///
     /// Two poses of the same moment, so that it does not matter when the message is read.
-    pub struct PoseEstimate = "zeronav.PoseEstimate.v1" {
+    pub struct PoseEstimate = "zeronav.PoseEstimate.v2" {
         /// `map_from_base`.
         pub map_from_base: Pose,
         /// `odom_from_base` of the same moment.
         pub odom_from_base: Pose,
         /// [tick] First tick at which it holds.
         pub from_tick: u64,
+        /// Code of [`PoseCertainty`]: `unconfirmed` from a person; `unknown` = the robot is lost and stands.
+        pub certainty: u16,
+        /// Written as 0.
+        pub spare: [u16; 3],
     }
 }
 
@@ -200,13 +205,20 @@ impl PoseEstimate {
         Pose::from(self.map_from_base.isometry() * base_from_odom)
     }
 
-    /// Accepts finite poses.
+    /// How far that is known.
+    #[must_use]
+    pub const fn certainty(&self) -> Option<PoseCertainty> {
+        PoseCertainty::from_code(self.certainty)
+    }
+
+    /// Accepts finite poses and known codes.
     ///
     /// # Errors
     /// The first field that is wrong.
     pub fn check(&self) -> Result<(), Refusal> {
         self.map_from_base.check("map_from_base")?;
-        self.odom_from_base.check("odom_from_base")
+        self.odom_from_base.check("odom_from_base")?;
+        ensure(self.certainty().is_some(), Refusal::Code("certainty"))
     }
 }
 

@@ -25,7 +25,7 @@ const GOLDEN: &[(&str, usize, usize, u64)] = &[
     ("plan/request", 144, 1, 0x904f_8c1a_2cb8_a816),
     ("task/goal", 144, 48, 0x91f1_3d6d_71f9_fd5b),
     ("task/status", 192, 24, 0x5c1b_eab4_fcb5_0bb2),
-    ("task/pose", 184, 1, 0xe69a_38fe_b2ce_2572),
+    ("task/pose", 192, 1, 0xd5e6_227b_7f2b_7155),
     ("task/zones", 152, 304, 0x69d4_f976_6967_9555),
     ("control/velocity_request", 192, 1, 0xbca4_0804_cf7a_583b),
     ("robot/velocity_command", 176, 1, 0x00d6_3076_348f_f2bd),

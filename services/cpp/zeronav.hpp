@@ -154,6 +154,12 @@ enum class PlannerInput : std::uint16_t {
     pose = 6,
 };
 
+enum class PoseCertainty : std::uint16_t {
+    unknown = 0,
+    unconfirmed = 1,
+    confirmed = 2,
+};
+
 enum class RecoveryReason : std::uint16_t {
     none = 0,
     blocked = 1,
@@ -1756,23 +1762,30 @@ static_assert(GoalEnd::SCHEMA == [] {
     return hash;
 }());
 
-/// Where the robot really is, as a person knows it: mapping puts it there. Two poses of the same
-/// moment, so that it does not matter when the message is read.
+/// Where the robot is, as a person says, or as mapping knew before it ended: mapping puts it
+/// there. Two poses of the same moment, so that it does not matter when the message is read.
 struct PoseEstimate {
-    static constexpr const char* NAME = "zeronav.PoseEstimate.v1";
-    static constexpr std::uint64_t SCHEMA = 0xe55b483813918c16;
+    static constexpr const char* NAME = "zeronav.PoseEstimate.v2";
+    static constexpr std::uint64_t SCHEMA = 0x8f02f66fe57a1203;
     /// `map_from_base`.
     Pose map_from_base{};
     /// `odom_from_base` of the same moment.
     Pose odom_from_base{};
     /// [tick] First tick at which it holds.
     std::uint64_t from_tick{};
+    /// Code of `PoseCertainty`: `unconfirmed` from a person; `unknown` = the robot is lost and
+    /// stands.
+    std::uint16_t certainty{};
+    /// Written as 0.
+    std::uint16_t spare[3]{};
 };
-static_assert(sizeof(PoseEstimate) == 56);
+static_assert(sizeof(PoseEstimate) == 64);
 static_assert(std::is_trivially_copyable_v<PoseEstimate> && std::is_standard_layout_v<PoseEstimate>);
 static_assert(offsetof(PoseEstimate, map_from_base) == 0);
 static_assert(offsetof(PoseEstimate, odom_from_base) == 24);
 static_assert(offsetof(PoseEstimate, from_tick) == 48);
+static_assert(offsetof(PoseEstimate, certainty) == 56);
+static_assert(offsetof(PoseEstimate, spare) == 58);
 static_assert(PoseEstimate::SCHEMA == [] {
     std::uint64_t hash = fnv1a(FNV_OFFSET, PoseEstimate::NAME);
     hash = fnv1a(hash, "map_from_base");
@@ -1784,19 +1797,25 @@ static_assert(PoseEstimate::SCHEMA == [] {
     hash = fnv1a(hash, "from_tick");
     hash = fnv1a_number(hash, Schema<decltype(PoseEstimate::from_tick)>::value);
     hash = fnv1a_number(hash, offsetof(PoseEstimate, from_tick));
+    hash = fnv1a(hash, "certainty");
+    hash = fnv1a_number(hash, Schema<decltype(PoseEstimate::certainty)>::value);
+    hash = fnv1a_number(hash, offsetof(PoseEstimate, certainty));
+    hash = fnv1a(hash, "spare");
+    hash = fnv1a_number(hash, Schema<decltype(PoseEstimate::spare)>::value);
+    hash = fnv1a_number(hash, offsetof(PoseEstimate, spare));
     return hash;
 }());
 
 /// Header and fixed fields of the topic's messages.
 struct TaskPoseEnvelope {
     static constexpr const char* NAME = "zeronav.task.pose.v1";
-    static constexpr std::uint64_t SCHEMA = 0x34c816de1c0e2311;
+    static constexpr std::uint64_t SCHEMA = 0xd64ffcd8bac8f901;
     /// The header.
     Header header{};
     /// The fixed fields.
     PoseEstimate meta{};
 };
-static_assert(sizeof(TaskPoseEnvelope) == 184);
+static_assert(sizeof(TaskPoseEnvelope) == 192);
 static_assert(std::is_trivially_copyable_v<TaskPoseEnvelope> && std::is_standard_layout_v<TaskPoseEnvelope>);
 static_assert(offsetof(TaskPoseEnvelope, header) == 0);
 static_assert(offsetof(TaskPoseEnvelope, meta) == 128);
@@ -3251,7 +3270,7 @@ struct task_pose {
     using Envelope = TaskPoseEnvelope;
     using Item = std::uint8_t;
     static constexpr const char* NAME = "task/pose";
-    static constexpr std::uint64_t SCHEMA = 0xe69a38feb2ce2572;
+    static constexpr std::uint64_t SCHEMA = 0xd5e6227b7f2b7155;
     static constexpr std::size_t NUMBER = 24;
     static constexpr std::size_t LEN_MAX = 1;
     static constexpr std::size_t BUFFER = 2;

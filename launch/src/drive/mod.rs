@@ -5,6 +5,7 @@ mod breaking;
 mod companions;
 mod course;
 mod faults;
+mod handed_pose;
 mod last_pose;
 mod pace;
 mod progress;

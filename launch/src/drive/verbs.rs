@@ -8,7 +8,7 @@ use crate::placed_obstacles::shape_of;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 use zeronav_msgs::Pose;
-use zeronav_msgs::role::Role;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::run::RunMode;
 use zeronav_msgs::task::PoseEstimate;
 use zeronav_msgs::time::seconds;
@@ -213,39 +213,14 @@ impl Session<'_> {
             map_from_base,
             odom_from_base: odometry.pose,
             from_tick,
+            certainty: PoseCertainty::Unconfirmed.code(),
+            ..PoseEstimate::default()
         };
         if !stack.estimate_pose(estimate) {
             return Err("no memory for the message; try again".to_owned());
         }
         self.given_pose = Some(estimate);
         Ok(())
-    }
-
-    /// When mapping has ended since there were `restarts_before`, tells its successor where odometry
-    /// had drifted by then: a new process takes odometry for the truth. A pose given by hand that no map
-    /// rests on yet is newer than that.
-    pub(super) fn hand_pose_on(&mut self, stack: &mut Stack, restarts_before: usize) {
-        let restarts = self.restarter.records().iter().skip(restarts_before);
-        let mut of_mapping = restarts.filter(|it| it.service == Role::Mapping.label());
-        if of_mapping.next().is_none() {
-            return;
-        }
-        let (located_tick, map_from_odom) = self.collector.located.unwrap_or_default();
-        let given = self.given_pose.filter(|it| it.from_tick > located_tick);
-        let drifted = || PoseEstimate {
-            map_from_base: map_from_odom,
-            ..PoseEstimate::default()
-        };
-        let estimate = PoseEstimate {
-            from_tick: self.collector.robot_tick(),
-            ..given.unwrap_or_else(drifted)
-        };
-        if given.is_none() && estimate.map_from_base == Pose::default() {
-            return;
-        }
-        if !stack.estimate_pose(estimate) {
-            tracing::warn!("no memory to tell mapping where the robot is");
-        }
     }
 
     /// Changes an obstacle of the simulated world, from the first tick on that the robot may not have

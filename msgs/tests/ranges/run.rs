@@ -78,6 +78,15 @@ fn tasks() {
             ),
         ],
     );
+    let certain = |certainty| {
+        PoseEstimate {
+            certainty,
+            ..PoseEstimate::default()
+        }
+        .check()
+    };
+    let unknown = Err(Refusal::Code("certainty"));
+    assert_eq!([2, 3].map(certain), [Ok(()), unknown]);
 }
 
 #[test]

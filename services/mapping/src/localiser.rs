@@ -257,6 +257,13 @@ impl Localiser {
         self.lost = true;
     }
 
+    /// The robot may be elsewhere near by: it is looked for there until a scan lies on the map.
+    pub(crate) fn doubt(&mut self) {
+        if self.active {
+            self.unknown = (POSE_SIGMA_M_MAX, POSE_SIGMA_RAD_MAX);
+        }
+    }
+
     /// The robot was found: where it is at the last scan, by `odom_from_base`.
     pub(crate) fn find(&mut self, found: &Match, odom_from_base: &Pose) {
         let base_from_odom = odom_from_base.isometry().inverse();

@@ -176,7 +176,8 @@ impl MappingService {
             let pose = estimate.map_from_base;
             let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
             tracing::info!(tick = due.tick, x_m, y_m, yaw_rad, "pose estimate applied");
-            mapping.relocate(estimate.map_from_odom(), &observation);
+            let certainty = estimate.certainty().unwrap_or_default();
+            mapping.relocate(estimate.map_from_odom(), certainty, &observation);
         }
         if new_zones {
             mapping.set_zones(self.readings.zones.set());

@@ -1,5 +1,6 @@
 //! One scan after the other: where it was seen from, what moves in it, and what it says about the map.
 
+mod whereabouts;
 mod zones;
 
 use crate::beams::{Beams, Sweep, ends_of};
@@ -12,15 +13,13 @@ use crate::located_scan::{LocatedScan, placed_at};
 use crate::mapper::Mapper;
 use crate::moved::Basis;
 use crate::outline::Outline;
-use crate::relocaliser::{Relocaliser, Sight, Sought, Step};
+use crate::relocaliser::Relocaliser;
 use crate::slip::Ends;
 use crate::tracker::{ScanView, Tracker};
 use crate::true_motion::TrueMotion;
 use nalgebra::{Matrix3, Point2};
 use zeronav_msgs::Pose;
-use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::description::{Corner, Description};
-use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::stages::{Stage, StageTimer};
@@ -141,42 +140,6 @@ impl Mapping {
         })
     }
 
-    /// Goes on from where another mapping has come to: its map, and how it is fixed to odometry. False
-    /// when its grid does not fit; then nothing changes.
-    pub fn resume(&mut self, info: &MapInfo, map: &MapView<'_>) -> bool {
-        let Some(mapper) = self.mapper.learnt(map, &self.config) else {
-            return false;
-        };
-        self.mapper = mapper;
-        self.unchecked = None;
-        let can_search = self.relocaliser.is_some();
-        self.localiser
-            .resume(info.map_from_odom, info.covariance, can_search);
-        if let Some(relocaliser) = &mut self.relocaliser {
-            match info.certainty() {
-                PoseCertainty::Confirmed => relocaliser.confirm(),
-                PoseCertainty::Unconfirmed | PoseCertainty::Unknown => relocaliser.tell(),
-            }
-        }
-        true
-    }
-
-    /// The robot is where a person says: `map_from_odom` from the scan `next` on.
-    ///
-    /// What scans have added to a static map was seen from elsewhere and is forgotten. Without a
-    /// static map there is nothing else to go by: the map stays, and the robot is put on it.
-    pub fn relocate(&mut self, map_from_odom: Pose, next: &Observation<'_>) {
-        self.unchecked = None;
-        self.localiser.relocate(map_from_odom, &next.odom_from_base);
-        if let Some(relocaliser) = &mut self.relocaliser {
-            relocaliser.tell();
-        }
-        self.tracker.restart();
-        if self.has_static_map {
-            self.mapper.forget_sensed();
-        }
-    }
-
     /// What times the stages of [`Self::take_in`]; off unless the caller has put another one there.
     pub fn timer(&mut self) -> &mut StageTimer {
         &mut self.timer
@@ -247,25 +210,6 @@ impl Mapping {
         integrated
     }
 
-    /// Asks of the last scan what nobody waits for: whether the robot is lost, and where on the static map it is then. The
-    /// next scan is judged by it, so [`Self::take_in`] does it at the latest.
-    pub fn check(&mut self) {
-        let Some(scan) = self.unchecked.take() else {
-            return;
-        };
-        if scan.is_key {
-            self.find_standing(&scan.map_from_base, scan.run_ns);
-            self.localiser.next_key(&self.standing);
-        }
-        self.relocalise(&scan);
-    }
-
-    /// True when [`Self::check`] has something to do.
-    #[must_use]
-    pub const fn is_unchecked(&self) -> bool {
-        self.unchecked.is_some()
-    }
-
     /// Where the robot is: by the scan before, and by the map. True when this is to be the next key scan of odometry that
     /// is watched.
     fn localise(&mut self, observation: &Observation<'_>) -> bool {
@@ -322,34 +266,6 @@ impl Mapping {
             self.tracker.restart();
         }
         false
-    }
-
-    /// Whether the robot is lost, and where on the static map it is then.
-    fn relocalise(&mut self, scan: &Unchecked) {
-        let odom_from_base = &scan.odom_from_base;
-        let (tracker, run_ns) = (&self.tracker, scan.run_ns);
-        if self.localiser.is_uncertain() {
-            self.mapper.make_surfaces();
-        }
-        let Some(relocaliser) = &mut self.relocaliser else {
-            return;
-        };
-        let sight = Sight {
-            beams: self.beams.as_slice(),
-            mapper: &self.mapper,
-            map_from_base: self.localiser.map_from_base(odom_from_base),
-            run_ns,
-            is_uncertain: self.localiser.is_uncertain(),
-        };
-        let step = relocaliser.follow(&sight, |point| !tracker.may_be_dynamic_at(point, run_ns));
-        match &step {
-            Step::Nothing => return,
-            Step::Lost => self.localiser.lose(),
-            Step::Found(found) => self.localiser.find(found, odom_from_base),
-        }
-        // What was seen meanwhile was seen from elsewhere.
-        self.tracker.restart();
-        self.mapper.forget_sensed();
     }
 
     /// True when a few beams of the scan do not speak against odometry, whose step since the last scan has the covariance
@@ -443,20 +359,6 @@ impl Mapping {
             .extend(self.standing.iter().filter(known).copied());
     }
 
-    /// True while the robot does not know where it is.
-    #[must_use]
-    pub fn is_uncertain(&self) -> bool {
-        self.localiser.is_uncertain()
-    }
-
-    /// How far a robot that does not know where it is has been looked for.
-    #[must_use]
-    pub fn sought(&self) -> Sought {
-        self.relocaliser
-            .as_ref()
-            .map_or(Sought::Not, Relocaliser::sought)
-    }
-
     /// Lets the map go where the robot is.
     fn follow_window(&mut self, robot: Point2<f64>) {
         let window = &self.config.window;
@@ -480,15 +382,6 @@ impl Mapping {
     /// The map, to take its changes.
     pub fn mapper_mut(&mut self) -> &mut Mapper {
         &mut self.mapper
-    }
-
-    /// `map_from_odom`, and the covariance of the robot's pose with it.
-    #[must_use]
-    pub fn map_from_odom(&self) -> (Pose, [f64; 6]) {
-        let relocaliser = self.relocaliser.as_ref();
-        let is_confirmed = relocaliser.is_none_or(Relocaliser::is_confirmed);
-        let covariance = self.localiser.covariance(is_confirmed);
-        (self.localiser.map_from_odom(), covariance)
     }
 
     /// What moves, in the map, at the last scan.

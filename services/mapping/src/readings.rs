@@ -22,7 +22,7 @@ pub(crate) struct Readings {
     odometry: OdometryReader,
     pub(crate) description: Latest<RobotDescription>,
     pub(crate) scan: Latest<RobotScan>,
-    /// Where a person says the robot is.
+    /// Where a person says the robot is, or where the process before this one knew it to be.
     estimate: Latest<TaskPose>,
     /// Id of the estimate that was used last.
     used: u64,

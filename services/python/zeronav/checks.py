@@ -223,6 +223,7 @@ def _pose_estimate(meta, items):
     length(items, 0, 0, "items")
     pose(meta.map_from_base, "map_from_base")
     pose(meta.odom_from_base, "odom_from_base")
+    code(c.PoseCertainty, meta.certainty, "certainty")
 
 
 # Least and most of the value of a zone.

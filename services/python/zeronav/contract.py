@@ -93,6 +93,12 @@ class PlannerInput(IntEnum):
     POSE = 6
 
 
+class PoseCertainty(IntEnum):
+    UNKNOWN = 0
+    UNCONFIRMED = 1
+    CONFIRMED = 2
+
+
 class RecoveryReason(IntEnum):
     NONE = 0
     BLOCKED = 1
@@ -993,13 +999,13 @@ class GoalEnd(Message):
 
 
 class PoseEstimate(Message):
-    """Where the robot really is, as a person knows it: mapping puts it there. Two poses of the
-    same moment, so that it does not matter when the message is read."""
+    """Where the robot is, as a person says, or as mapping knew before it ended: mapping puts it
+    there. Two poses of the same moment, so that it does not matter when the message is read."""
 
-    NAME = "zeronav.PoseEstimate.v1"
-    SIZE = 56
-    SCHEMA = 0xe55b483813918c16
-    OFFSETS = (0, 24, 48)
+    NAME = "zeronav.PoseEstimate.v2"
+    SIZE = 64
+    SCHEMA = 0x8f02f66fe57a1203
+    OFFSETS = (0, 24, 48, 56, 58)
     _fields_ = [
         # `map_from_base`.
         ("map_from_base", Pose),
@@ -1007,6 +1013,11 @@ class PoseEstimate(Message):
         ("odom_from_base", Pose),
         # [tick] First tick at which it holds.
         ("from_tick", u64),
+        # Code of `PoseCertainty`: `unconfirmed` from a person; `unknown` = the robot is lost and
+        # stands.
+        ("certainty", u16),
+        # Written as 0.
+        ("spare", u16 * 3),
     ]
 
 
@@ -1014,8 +1025,8 @@ class TaskPoseEnvelope(Message):
     """Header and fixed fields of the topic's messages."""
 
     NAME = "zeronav.task.pose.v1"
-    SIZE = 184
-    SCHEMA = 0x34c816de1c0e2311
+    SIZE = 192
+    SCHEMA = 0xd64ffcd8bac8f901
     OFFSETS = (0, 128)
     _fields_ = [
         # The header.
@@ -1844,7 +1855,7 @@ TASK_POSE = Topic(
     len_max=1,
     buffer=2,
     pool=59,
-    schema=0xe69a38feb2ce2572,
+    schema=0xd5e6227b7f2b7155,
 )
 
 TASK_ZONES = Topic(

@@ -1,9 +1,9 @@
 //! A robot that may be anywhere: it finds itself where the map tells places apart, and never believes in one of equal places.
 
-use crate::support::{Rng, Room, description};
+use crate::support::{Rng, Room, description, observed};
 use core::f64::consts::PI;
 use zeronav_mapping::localisation::StartPose;
-use zeronav_mapping::{Mapping, MappingConfig, Observation, Sought};
+use zeronav_mapping::{Mapping, MappingConfig, Sought};
 use zeronav_msgs::Pose;
 use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::map::{MapInfo, MapView};
@@ -62,19 +62,25 @@ impl Robot {
             let is_lost = self.rng.below(100) == 0;
             *range_m = if is_lost { f32::INFINITY } else { noisy };
         }
-        self.mapping.take_in(&Observation {
-            scan: &scan,
-            ranges: &ranges,
-            run_ns: self.n_scans * 100_000_000,
-            odom_from_base_first: self.odometry,
-            odom_from_base: self.odometry,
-            odometry_variance: self.odometry_variance,
-            goal: None,
-            told: None,
-        });
+        let seen = observed(
+            (&scan, &ranges),
+            self.n_scans,
+            self.odometry,
+            self.odometry_variance,
+        );
+        self.mapping.take_in(&seen);
         // After the answer.
         self.mapping.check();
         assert_eq!(self.certainty().is_known(), !self.mapping.is_uncertain());
+    }
+
+    /// Is told before the next scan that it is at `told`, and how far that is known.
+    pub(crate) fn relocate(&mut self, told: Pose, certainty: PoseCertainty) {
+        let (scan, ranges) = self.room.scan(&self.truth);
+        let (n, odometry) = (self.n_scans + 1, self.odometry);
+        let next = observed((&scan, &ranges), n, odometry, self.odometry_variance);
+        let map_from_odom = Pose::from(told.isometry() * odometry.isometry().inverse());
+        self.mapping.relocate(map_from_odom, certainty, &next);
     }
 
     /// What its map says of its pose.
@@ -331,18 +337,7 @@ fn who_is_told_where_it_is_is_not_lost() {
     let mut robot = Robot::unknown(&hall, truth, 2);
     robot.step(Pose::default());
     assert!(robot.mapping.is_uncertain());
-    let (scan, ranges) = robot.room.scan(&truth);
-    let next = Observation {
-        scan: &scan,
-        ranges: &ranges,
-        run_ns: 200_000_000,
-        odom_from_base_first: robot.odometry,
-        odom_from_base: robot.odometry,
-        odometry_variance: [1.0e-4; 3],
-        goal: None,
-        told: None,
-    };
-    robot.mapping.relocate(truth, &next);
+    robot.relocate(truth, PoseCertainty::Unconfirmed);
     assert!(is_known(&robot.mapping));
     assert_eq!(robot.stand_until(50, Mapping::is_uncertain), None);
     robot.is_found("told");

@@ -8,6 +8,7 @@ use parry2d::query::Ray;
 use zeronav_mapping::localiser::CorrectionMode;
 use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::map::{FLAG_SENSED, MapInfo};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
@@ -199,7 +200,8 @@ fn stand(mapping: &mut Mapping, truth: &Pose, odometry: &Pose, n: u64, told: Opt
         };
         if let Some(pose) = told.filter(|_| index == 0) {
             let base_from_odom = odometry.isometry().inverse();
-            mapping.relocate(Pose::from(pose.isometry() * base_from_odom), &observation);
+            let map_from_odom = Pose::from(pose.isometry() * base_from_odom);
+            mapping.relocate(map_from_odom, PoseCertainty::Unconfirmed, &observation);
         }
         mapping.take_in(&observation);
     }

@@ -3,6 +3,7 @@
 use crate::lost::{Robot, hall};
 use crate::support::Room;
 use core::f64::consts::PI;
+use zeronav_mapping::window::WindowMode;
 use zeronav_mapping::{Mapping, MappingConfig};
 use zeronav_msgs::Pose;
 use zeronav_msgs::certainty::PoseCertainty;
@@ -122,4 +123,44 @@ fn a_successor_has_confirmed_what_its_predecessor_has() {
         assert!(next.mapping.resume(&robot.info(), &view));
         assert_eq!(next.certainty(), expected);
     }
+}
+
+/// After a restart `launch` tells mapping where the robot was, and how far that was known.
+#[test]
+fn a_restart_changes_nothing_of_what_is_known() {
+    let hall = bare_hall();
+    let truth = hall.pose(400.0, 400.0, 0.0);
+    for certainty in [PoseCertainty::Unconfirmed, PoseCertainty::Confirmed] {
+        let mut robot = Robot::told(&hall, truth, Pose::default(), 1);
+        robot.relocate(truth, certainty);
+        for _ in 0..20 {
+            robot.step(Pose::default());
+            assert_eq!(robot.certainty(), certainty);
+        }
+        robot.is_found("told");
+    }
+}
+
+#[test]
+fn a_lost_robot_stands_and_is_looked_for_after_a_restart() {
+    let hall = hall();
+    let truth = hall.pose(120.0, 70.0, 0.2);
+    let mut robot = Robot::told(&hall, truth, Pose::default(), 1);
+    robot.relocate(hall.pose(25.0, 30.0, 1.0), PoseCertainty::Unknown);
+    assert_eq!(robot.certainty(), PoseCertainty::Unknown);
+    let found = robot.stand_until(60, |mapping| !mapping.is_uncertain());
+    assert!(found.is_some_and(|n| n > 10), "{found:?}");
+    robot.is_found("looked for");
+    // On a map that moves along it is looked for near by.
+    let mut config = MappingConfig::default();
+    config.window.mode = WindowMode::Rolling;
+    let mut robot = Robot::new(&hall, &config, truth, 1);
+    robot.relocate(truth, PoseCertainty::Unknown);
+    assert_eq!(robot.certainty(), PoseCertainty::Unknown);
+    assert!(
+        robot
+            .stand_until(10, |mapping| !mapping.is_uncertain())
+            .is_some()
+    );
+    robot.is_found("near by");
 }

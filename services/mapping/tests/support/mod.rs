@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "every test and bench uses its own part")]
 
-use zeronav_mapping::MappingConfig;
+use zeronav_mapping::{MappingConfig, Observation};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::{Cell, GridGeometry, Pose};
@@ -131,6 +131,26 @@ impl Room {
             t += 1.0e-7 + to_border(x, dx).min(to_border(y, dy));
         }
         f32::INFINITY
+    }
+}
+
+/// The `n`th scan of ten a second, all beams of which were taken at once where odometry says `odom_from_base`, of the
+/// variances that it says.
+pub(crate) fn observed<'a>(
+    (scan, ranges): (&'a Scan, &'a [f32]),
+    n: u64,
+    odom_from_base: Pose,
+    odometry_variance: [f64; 3],
+) -> Observation<'a> {
+    Observation {
+        scan,
+        ranges,
+        run_ns: n * 100_000_000,
+        odom_from_base_first: odom_from_base,
+        odom_from_base,
+        odometry_variance,
+        goal: None,
+        told: None,
     }
 }
 
