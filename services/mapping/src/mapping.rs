@@ -106,16 +106,16 @@ impl Mapping {
         description: &Description,
         corners: &[Corner],
     ) -> Result<Self, MappingError> {
-        let mut localiser = Localiser::new(
-            &config.pose_correction,
-            (description.v_mps_max, description.w_radps_max),
-            {
-                let [x_m, y_m, yaw_rad] = config.localisation.map_from_odom;
-                Pose::new(x_m, y_m, yaw_rad)
-            },
-        );
+        let [x_m, y_m, yaw_rad] = config.localisation.map_from_odom;
+        let map_from_odom = Pose::new(x_m, y_m, yaw_rad);
+        let fastest = (description.v_mps_max, description.w_radps_max);
+        let mut localiser = Localiser::new(&config.pose_correction, fastest, map_from_odom);
         let room_m = description.inscribed_radius_m;
         let relocaliser = Relocaliser::of(config, static_map.is_some(), room_m)?;
+        if relocaliser.as_ref().is_some_and(Relocaliser::is_told) {
+            // Who configures a pose is no more exact than who gives one later.
+            localiser.relocate(map_from_odom, &Pose::default());
+        }
         if config.localisation.start == StartPose::Unknown {
             localiser.lose();
         }

@@ -214,6 +214,11 @@ impl Relocaliser {
         self.watch = LostWatch::confirmed();
     }
 
+    /// True when the robot was told where it is.
+    pub(crate) fn is_told(&self) -> bool {
+        self.is_told
+    }
+
     /// True when nothing is to be confirmed, or the map has explained what the robot sees.
     pub(crate) fn is_confirmed(&self) -> bool {
         !self.is_told || self.lost_below <= 0.0 || self.watch.is_confirmed()

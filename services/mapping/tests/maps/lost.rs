@@ -110,7 +110,7 @@ impl Robot {
     }
 
     /// How far mapping is off. [m, rad]
-    fn off(&self) -> (f64, f64) {
+    pub(crate) fn off(&self) -> (f64, f64) {
         let pose = self.mapping.map_from_odom().0.then(&self.odometry);
         let turned = wrap_angle(pose.yaw_rad - self.truth.yaw_rad).abs();
         (pose.distance_m(&self.truth), turned)

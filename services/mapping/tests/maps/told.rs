@@ -90,6 +90,25 @@ fn where_odom_is_map_there_is_nothing_to_confirm() {
     }
 }
 
+/// Nobody writes a pose into a scenario to the centimetre, and exact odometry keeps the error.
+#[test]
+fn a_configured_pose_that_is_a_little_off_is_corrected() {
+    let hall = hall();
+    let truth = hall.pose(120.0, 70.0, 0.2);
+    for variance in [0.0, 1.0e-4] {
+        let told = Pose::new(truth.x_m + 0.14, truth.y_m - 0.14, truth.yaw_rad);
+        let mut robot = Robot::told(&hall, truth, told, 1);
+        robot.odometry_variance = [variance; 3];
+        let sure = robot.stand_until(10, |_| false);
+        assert_eq!((sure, robot.certainty()), (None, PoseCertainty::Confirmed));
+        let (off_m, off_rad) = robot.off();
+        assert!(
+            off_m < 0.03 && off_rad < 0.02,
+            "{variance}: {off_m} m, {off_rad} rad"
+        );
+    }
+}
+
 /// Who never counts as lost is believed.
 #[test]
 fn without_a_watch_there_is_nothing_to_confirm() {
