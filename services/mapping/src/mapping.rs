@@ -13,7 +13,7 @@ use crate::located_scan::{LocatedScan, placed_at};
 use crate::mapper::Mapper;
 use crate::moved::Basis;
 use crate::outline::Outline;
-use crate::relocaliser::Relocaliser;
+use crate::relocaliser::{Relocaliser, Step};
 use crate::slip::Ends;
 use crate::tracker::{ScanView, Tracker};
 use crate::true_motion::TrueMotion;
@@ -79,8 +79,11 @@ pub struct Mapping {
     last_ns: u64,
     /// The grid changed with the last scan.
     moved: bool,
-    /// What is left to ask of the last scan.
+    /// What is left to ask of the last scan, and what that came to: it counts from the next scan on.
     unchecked: Option<Unchecked>,
+    checked: Option<Checked>,
+    /// The map had explained what is seen by the last scan, or nothing was to be confirmed.
+    is_confirmed: bool,
     timer: StageTimer,
 }
 
@@ -92,6 +95,14 @@ struct Unchecked {
     run_ns: u64,
     /// It becomes the next key scan.
     is_key: bool,
+}
+
+/// What [`Mapping::check`] came to.
+#[derive(Debug)]
+struct Checked {
+    step: Step,
+    /// Of the scan that it looked at.
+    odom_from_base: Pose,
 }
 
 impl Mapping {
@@ -119,6 +130,7 @@ impl Mapping {
         if config.localisation.start == StartPose::Unknown {
             localiser.lose();
         }
+        let is_confirmed = relocaliser.as_ref().is_none_or(Relocaliser::is_confirmed);
         Ok(Self {
             has_static_map: static_map.is_some(),
             base_from_laser: description.base_from_laser,
@@ -135,6 +147,8 @@ impl Mapping {
             landmarks: Vec::new(),
             moved: false,
             unchecked: None,
+            checked: None,
+            is_confirmed,
             timer: StageTimer::default(),
             config: config.clone(),
         })
@@ -148,6 +162,7 @@ impl Mapping {
     /// Takes in a scan: corrects the pose, follows what moves, brings the map up to date; the rest is for [`Self::check`].
     pub fn take_in(&mut self, observation: &Observation<'_>) -> Integrated {
         self.check();
+        self.heed_check();
         let odom_from_base = &observation.odom_from_base;
         self.cast(observation, None);
         let corrects = self.localiser.is_active(&observation.odometry_variance);

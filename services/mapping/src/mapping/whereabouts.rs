@@ -1,6 +1,6 @@
 //! Whether the robot is where it takes itself to be: what it was told, and what is asked after the answer.
 
-use super::{Mapping, Observation, Unchecked};
+use super::{Checked, Mapping, Observation, Unchecked};
 use crate::relocaliser::{Relocaliser, Sight, Sought, Step};
 use zeronav_msgs::Pose;
 use zeronav_msgs::certainty::PoseCertainty;
@@ -14,7 +14,7 @@ impl Mapping {
             return false;
         };
         self.mapper = mapper;
-        self.unchecked = None;
+        (self.unchecked, self.checked) = (None, None);
         let can_search = self.relocaliser.is_some();
         self.localiser
             .resume(info.map_from_odom, info.covariance, can_search);
@@ -24,6 +24,7 @@ impl Mapping {
                 PoseCertainty::Unconfirmed | PoseCertainty::Unknown => relocaliser.tell(),
             }
         }
+        self.see_whether_confirmed();
         true
     }
 
@@ -38,7 +39,9 @@ impl Mapping {
         certainty: PoseCertainty,
         next: &Observation<'_>,
     ) {
-        self.unchecked = None;
+        // Its key scan counts, whether it was looked at by now or not.
+        self.check();
+        self.checked = None;
         self.localiser.relocate(map_from_odom, &next.odom_from_base);
         if let Some(relocaliser) = &mut self.relocaliser {
             match certainty {
@@ -52,14 +55,17 @@ impl Mapping {
         } else if certainty == PoseCertainty::Unknown && self.has_static_map {
             self.localiser.doubt();
         }
+        self.see_whether_confirmed();
         self.tracker.restart();
         if self.has_static_map {
             self.mapper.forget_sensed();
         }
     }
 
-    /// Asks of the last scan what nobody waits for: whether the robot is lost, and where on the static map it is then. The
-    /// next scan is judged by it, so [`Self::take_in`] does it at the latest.
+    /// Asks of the last scan what nobody waits for: whether the robot is lost, and where on the static map it is then.
+    ///
+    /// Nothing that is sent changes by it before the next scan: when it runs between two scans makes no difference, and
+    /// [`Self::take_in`] does it at the latest.
     pub fn check(&mut self) {
         let Some(scan) = self.unchecked.take() else {
             return;
@@ -68,7 +74,28 @@ impl Mapping {
             self.find_standing(&scan.map_from_base, scan.run_ns);
             self.localiser.next_key(&self.standing);
         }
-        self.relocalise(&scan);
+        self.checked = self.relocalise(&scan);
+    }
+
+    /// Acts on what [`Self::check`] came to.
+    pub(super) fn heed_check(&mut self) {
+        let Some(checked) = self.checked.take() else {
+            return;
+        };
+        self.see_whether_confirmed();
+        match &checked.step {
+            Step::Nothing => return,
+            Step::Lost => self.localiser.lose(),
+            Step::Found(found) => self.localiser.find(found, &checked.odom_from_base),
+        }
+        // What was seen meanwhile was seen from elsewhere.
+        self.tracker.restart();
+        self.mapper.forget_sensed();
+    }
+
+    fn see_whether_confirmed(&mut self) {
+        let relocaliser = self.relocaliser.as_ref();
+        self.is_confirmed = relocaliser.is_none_or(Relocaliser::is_confirmed);
     }
 
     /// True when [`Self::check`] has something to do.
@@ -78,15 +105,13 @@ impl Mapping {
     }
 
     /// Whether the robot is lost, and where on the static map it is then.
-    fn relocalise(&mut self, scan: &Unchecked) {
+    fn relocalise(&mut self, scan: &Unchecked) -> Option<Checked> {
         let odom_from_base = &scan.odom_from_base;
         let (tracker, run_ns) = (&self.tracker, scan.run_ns);
         if self.localiser.is_uncertain() {
             self.mapper.make_surfaces();
         }
-        let Some(relocaliser) = &mut self.relocaliser else {
-            return;
-        };
+        let relocaliser = self.relocaliser.as_mut()?;
         let sight = Sight {
             beams: self.beams.as_slice(),
             mapper: &self.mapper,
@@ -95,14 +120,10 @@ impl Mapping {
             is_uncertain: self.localiser.is_uncertain(),
         };
         let step = relocaliser.follow(&sight, |point| !tracker.may_be_dynamic_at(point, run_ns));
-        match &step {
-            Step::Nothing => return,
-            Step::Lost => self.localiser.lose(),
-            Step::Found(found) => self.localiser.find(found, odom_from_base),
-        }
-        // What was seen meanwhile was seen from elsewhere.
-        self.tracker.restart();
-        self.mapper.forget_sensed();
+        Some(Checked {
+            step,
+            odom_from_base: *odom_from_base,
+        })
     }
 
     /// True while the robot does not know where it is.
@@ -119,12 +140,10 @@ impl Mapping {
             .map_or(Sought::Not, Relocaliser::sought)
     }
 
-    /// `map_from_odom`, and the covariance of the robot's pose with it.
+    /// `map_from_odom`, and the covariance of the robot's pose with it, at the last scan.
     #[must_use]
     pub fn map_from_odom(&self) -> (Pose, [f64; 6]) {
-        let relocaliser = self.relocaliser.as_ref();
-        let is_confirmed = relocaliser.is_none_or(Relocaliser::is_confirmed);
-        let covariance = self.localiser.covariance(is_confirmed);
+        let covariance = self.localiser.covariance(self.is_confirmed);
         (self.localiser.map_from_odom(), covariance)
     }
 }

@@ -19,6 +19,8 @@ pub(crate) struct Robot {
     pub(crate) odometry_variance: [f64; 3],
     rng: Rng,
     n_scans: u64,
+    /// It is checked after every answer.
+    checks: bool,
 }
 
 impl Robot {
@@ -33,6 +35,7 @@ impl Robot {
             odometry_variance: [1.0e-4; 3],
             rng: Rng(seed),
             n_scans: 0,
+            checks: true,
         }
     }
 
@@ -69,8 +72,12 @@ impl Robot {
             self.odometry_variance,
         );
         self.mapping.take_in(&seen);
-        // After the answer.
-        self.mapping.check();
+        // After the answer, or at the next scan: that makes no difference.
+        if self.checks {
+            let said = self.info();
+            self.mapping.check();
+            assert_eq!(self.info(), said);
+        }
         assert_eq!(self.certainty().is_known(), !self.mapping.is_uncertain());
     }
 
@@ -352,4 +359,36 @@ fn an_unknown_start_needs_a_fixed_static_map() {
     let error = Mapping::new(&config, None, &description(), &[]).map(|_| ());
     let error = error.expect_err("no map").to_string();
     assert!(error.contains("localisation.start"), "{error}");
+}
+
+/// A keyframe may be sent after a check, or before it, as the clock has it: both say the same.
+#[test]
+fn what_is_said_does_not_depend_on_when_a_scan_is_checked() {
+    let hall = hall();
+    let truth = hall.pose(120.0, 70.0, 0.2);
+    let told = truth.then(&Pose::new(-2.0, 0.3, PI));
+    let mut soon = Robot::told(&hall, truth, told, 1);
+    let mut late = Robot::told(&hall, truth, told, 1);
+    late.checks = false;
+    let mut seen = vec![soon.certainty()];
+    for n in 0..100 {
+        if n == 60 {
+            // Its last scan is still to be checked.
+            late.relocate(told, PoseCertainty::Unconfirmed);
+            soon.relocate(told, PoseCertainty::Unconfirmed);
+        }
+        for robot in [&mut soon, &mut late] {
+            robot.step(Pose::new(0.01, 0.0, 0.02));
+        }
+        assert_eq!(soon.info(), late.info(), "scan {n}");
+        let cells = [&soon, &late].map(|robot| robot.mapping.mapper().cells());
+        assert!(cells[0] == cells[1], "scan {n}");
+        if seen.last() != Some(&soon.certainty()) {
+            seen.push(soon.certainty());
+        }
+    }
+    let (unknown, unconfirmed) = (PoseCertainty::Unknown, PoseCertainty::Unconfirmed);
+    let found = [unconfirmed, unknown, PoseCertainty::Confirmed];
+    assert_eq!(seen[..3], found, "{seen:?}");
+    assert!(seen[3..].starts_with(&[unconfirmed, unknown]), "{seen:?}");
 }
