@@ -60,9 +60,11 @@ pub(crate) struct Judged {
     pub(crate) elapsed_s: f64,
 }
 
-/// Takes in what the map explains of every scan.
+/// Takes in what the map explains of every scan, of a robot that was told nothing by default.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LostWatch {
+    /// The robot was told where it is, by configuration or by a person: that may be wrong.
+    is_told: bool,
     /// How long the robot has seemed to be lost. [s]
     seems_s: f64,
     /// The map has explained what is seen.
@@ -84,6 +86,14 @@ pub(crate) fn seems_elsewhere(explained: &Explained, below: f64) -> bool {
 }
 
 impl LostWatch {
+    /// Of a robot that was told where it is, or nothing.
+    pub(crate) fn of(is_told: bool) -> Self {
+        Self {
+            is_told,
+            ..Self::default()
+        }
+    }
+
     /// Of a robot of which the map has explained what it sees.
     pub(crate) fn confirmed() -> Self {
         Self {
@@ -95,14 +105,20 @@ impl LostWatch {
     /// Of a robot that was uncertain meanwhile.
     pub(crate) fn again(self) -> Self {
         Self {
+            is_told: self.is_told,
             confirmed: self.confirmed,
             ..Self::default()
         }
     }
 
-    /// True once the map has explained what is seen.
+    /// True when the robot was told where it is.
+    pub(crate) fn is_told(&self) -> bool {
+        self.is_told
+    }
+
+    /// True once the map has explained what is seen, or when nothing is to be confirmed.
     pub(crate) fn is_confirmed(&self) -> bool {
-        self.confirmed
+        self.confirmed || !self.is_told
     }
 
     /// Takes in a scan that lies on the map at a first look; false when that is not enough: one in ten, and every
@@ -114,7 +130,8 @@ impl LostWatch {
 
     /// Takes in what the map says of a scan; true when the robot is lost: the map explains less than the share `below`,
     /// and has for long. Where all that is seen is new, as in a hall that the lidar does not reach across, nothing says that
-    /// the robot is elsewhere.
+    /// the robot is elsewhere. A robot that was told nothing is doubted no sooner than one that is confirmed, unless it sees
+    /// nothing of the map.
     pub(crate) fn is_lost(&mut self, scan: &Judged, below: f64) -> bool {
         self.n_glances = 0;
         let Judged {
@@ -125,33 +142,35 @@ impl LostWatch {
             ..
         } = *scan;
         let n_judged = explained.judged().min(n_ends);
-        if self.confirmed {
-            let is_judged = n_judged >= JUDGED_MIN;
-            self.count(
-                is_judged && seems_elsewhere(&explained, below),
-                is_judged,
-                elapsed_s,
-            );
-            return self.seems_s >= LASTS_S;
-        }
-        if scan.is_inside {
-            self.seems_s += INSIDE_COUNTS * elapsed_s;
-            return self.seems_s >= LASTS_S;
-        }
-        let (views, n_viewed) = self.add_view(scan);
         let fits = |seen: &Explained, n_judged: f64, n_hits: f64| {
             let is_explained = seen.share(1.0) >= below && seen.on >= CONFIRMS * n_hits;
             n_judged >= JUDGED_MIN && is_explained
         };
+        let is_doubted = self.is_told && !self.confirmed;
+        let judged_min = if is_doubted {
+            JUDGED_MIN_UNCONFIRMED
+        } else {
+            JUDGED_MIN
+        };
+        let is_judged = n_judged >= judged_min;
         let is_off = n_ends >= JUDGED_MIN && explained.judged() < (1.0 - OFF) * n_ends;
-        let is_judged = n_judged >= JUDGED_MIN_UNCONFIRMED;
-        let differs = is_off || (is_judged && seems_elsewhere(&explained, below));
+        let differs =
+            (is_off && !self.confirmed) || (is_judged && seems_elsewhere(&explained, below));
         // What one scan says alone outweighs what others have said from elsewhere.
         let fits_alone = !differs && fits(&explained, n_judged, n_hits);
-        let views_differ = n_viewed >= JUDGED_MIN && seems_elsewhere(&views, below);
-        let is_elsewhere = differs || (views_differ && !fits_alone);
+        if is_doubted && scan.is_inside {
+            self.seems_s += INSIDE_COUNTS * elapsed_s;
+            return self.seems_s >= LASTS_S;
+        }
+        let mut is_elsewhere = differs;
+        self.confirmed |= fits_alone;
+        if is_doubted {
+            let (views, n_viewed) = self.add_view(scan);
+            let views_differ = n_viewed >= JUDGED_MIN && seems_elsewhere(&views, below);
+            is_elsewhere |= views_differ && !fits_alone;
+            self.confirmed |= !is_elsewhere && fits(&views, n_viewed, self.view_hits);
+        }
         self.count(is_elsewhere, is_judged, elapsed_s);
-        self.confirmed = fits_alone || (!is_elsewhere && fits(&views, n_viewed, self.view_hits));
         self.seems_s >= LASTS_S
     }
 

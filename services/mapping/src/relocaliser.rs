@@ -133,9 +133,6 @@ pub(crate) struct Relocaliser {
     /// Least clearance at which the robot can stand. [m]
     room_m: f64,
     watch: LostWatch,
-    /// The robot was told where it is, by configuration or by a person: that may be wrong. Where `odom` begins as `map`
-    /// nothing was told.
-    is_told: bool,
     stage: Stage,
     sought: Sought,
     /// How long the pose has been uncertain. [s]
@@ -174,12 +171,10 @@ impl Relocaliser {
             lost_below: config.localisation.lost_below,
             range_m_max: config.obstacle_range_m,
             room_m,
-            watch: LostWatch::default(),
-            is_told: config
-                .localisation
-                .map_from_odom
-                .iter()
-                .any(|it| it.abs() > 0.0),
+            // Where `odom` begins as `map` nothing was told.
+            watch: LostWatch::of(
+                (config.localisation.map_from_odom.iter()).any(|it| it.abs() > 0.0),
+            ),
             stage: Stage::Known,
             sought: Sought::Not,
             uncertain_s: 0.0,
@@ -194,7 +189,7 @@ impl Relocaliser {
     pub(crate) fn restart(&mut self) {
         self.stage = Stage::Known;
         self.sought = Sought::Not;
-        self.watch = LostWatch::default();
+        self.watch = LostWatch::of(self.watch.is_told());
         self.uncertain_s = 0.0;
         self.caution = 0.0;
         // Where there is room depends on what stood there then.
@@ -204,7 +199,7 @@ impl Relocaliser {
     /// As [`Self::restart`], of a robot that was told where it is.
     pub(crate) fn tell(&mut self) {
         self.restart();
-        self.is_told = true;
+        self.watch = LostWatch::of(true);
     }
 
     /// As [`Self::restart`], where the map has explained what is seen: the robot was found, or takes over from a process
@@ -216,12 +211,12 @@ impl Relocaliser {
 
     /// True when the robot was told where it is.
     pub(crate) fn is_told(&self) -> bool {
-        self.is_told
+        self.watch.is_told()
     }
 
     /// True when nothing is to be confirmed, or the map has explained what the robot sees.
     pub(crate) fn is_confirmed(&self) -> bool {
-        !self.is_told || self.lost_below <= 0.0 || self.watch.is_confirmed()
+        self.lost_below <= 0.0 || self.watch.is_confirmed()
     }
 
     /// How far the robot knows where it is.

@@ -27,7 +27,7 @@ fn lost_after(mut watch: LostWatch, [on, new, through]: [f64; 3]) -> Option<usiz
 
 #[test]
 fn who_sees_through_walls_and_explains_little_is_lost() {
-    for watch in [LostWatch::default(), LostWatch::confirmed()] {
+    for watch in [LostWatch::of(true), LostWatch::confirmed()] {
         let after = lost_after(watch, [10.0, 40.0, 40.0]).expect("lost");
         assert!((20..=21).contains(&after), "{after}");
     }
@@ -35,7 +35,7 @@ fn who_sees_through_walls_and_explains_little_is_lost() {
 
 #[test]
 fn moved_furniture_crowds_and_bare_halls_are_not_lost() {
-    for watch in [LostWatch::default(), LostWatch::confirmed()] {
+    for watch in [LostWatch::of(true), LostWatch::confirmed()] {
         let after = |seen| lost_after(watch, seen);
         assert_eq!(after([60.0, 20.0, 20.0]), None, "furniture was moved");
         assert_eq!(after([10.0, 80.0, 2.0]), None, "people stand around");
@@ -49,14 +49,43 @@ fn moved_furniture_crowds_and_bare_halls_are_not_lost() {
 /// What a robot sees of a sparse map is enough to doubt what it was told, not what it has known.
 #[test]
 fn fewer_beams_speak_against_a_place_that_is_not_confirmed() {
-    let after = lost_after(LostWatch::default(), [2.0, 2.0, 15.0]).expect("lost");
+    let after = lost_after(LostWatch::of(true), [2.0, 2.0, 15.0]).expect("lost");
     assert!((20..=21).contains(&after), "{after}");
+}
+
+/// Nothing was told that could be wrong: it takes as much to doubt odometry as for a robot that knows where it is.
+#[test]
+fn who_was_told_nothing_is_doubted_no_sooner_than_who_knows() {
+    let watch = || LostWatch::of(false);
+    assert!(watch().is_confirmed());
+    assert_eq!(lost_after(watch(), [2.0, 2.0, 15.0]), None, "too few beams");
+    let after = lost_after(watch(), [10.0, 40.0, 40.0]).expect("lost");
+    assert!((20..=21).contains(&after), "{after}");
+    // Nor do those of several places add up, or does a wrong cell of the map count.
+    let few = Explained {
+        on: 1.0,
+        new: 3.0,
+        through: 4.0,
+    };
+    let mut of_few = watch();
+    let mut places = (0..100).map(|n| judged(few, 8.0, 0.1 * f64::from(n)));
+    assert!(places.all(|seen| !of_few.is_lost(&seen, 0.6)));
+    let inside = Judged {
+        is_inside: true,
+        ..judged(few, 8.0, 0.0)
+    };
+    let mut inside_of = watch();
+    assert!((1..100).all(|_| !inside_of.is_lost(&inside, 0.6)));
+    // Where nothing is known it is.
+    let off = judged(Explained::default(), 60.0, 0.0);
+    let mut off_map = watch();
+    assert!((1..100).any(|_| off_map.is_lost(&off, 0.6)));
 }
 
 #[test]
 fn a_place_is_confirmed_by_one_scan_that_sees_enough() {
     let confirms = |[on, new, through]: [f64; 3]| {
-        let mut watch = LostWatch::default();
+        let mut watch = LostWatch::of(true);
         let seen = judged(Explained { on, new, through }, on + new + through, 0.0);
         assert!(!watch.is_confirmed() && !watch.is_lost(&seen, 0.6));
         watch.is_confirmed()
@@ -67,7 +96,7 @@ fn a_place_is_confirmed_by_one_scan_that_sees_enough() {
     assert!(!confirms([10.0, 5.0, 10.0]), "walls are missing");
     assert!(LostWatch::confirmed().is_confirmed());
     // Beside the map most beams end where nothing is known.
-    let mut watch = LostWatch::default();
+    let mut watch = LostWatch::of(true);
     let [on, new, through] = [24.0, 8.0, 0.0];
     let seen = judged(Explained { on, new, through }, 50.0, 0.0);
     assert!(!watch.is_lost(&seen, 0.6) && !watch.is_confirmed());
@@ -84,7 +113,7 @@ fn a_place_is_confirmed_by_one_scan_that_sees_enough() {
 fn what_is_seen_of_a_bare_hall_adds_up_while_the_robot_drives() {
     let few = |on: f64, new: f64, through: f64| Explained { on, new, through };
     let after = |seen: Explained, step_m: f64| {
-        let mut watch = LostWatch::default();
+        let mut watch = LostWatch::of(true);
         let n = (0..100).find(|n| {
             let lost = watch.is_lost(&judged(seen, 8.0, step_m * f64::from(*n)), 0.6);
             assert!(!(lost && watch.is_confirmed()));
@@ -102,7 +131,7 @@ fn what_is_seen_of_a_bare_hall_adds_up_while_the_robot_drives() {
 /// The first scan of a pose that is a little off is laid on the map: what it said before does not count against that.
 #[test]
 fn a_scan_that_fits_outweighs_those_before() {
-    let mut watch = LostWatch::default();
+    let mut watch = LostWatch::of(true);
     let off = Explained {
         on: 5.0,
         new: 30.0,
@@ -118,7 +147,7 @@ fn a_place_in_a_wall_is_not_believed_for_long_and_never_confirmed() {
         is_inside: true,
         ..judged(FITS, 60.0, 0.0)
     };
-    let mut watch = LostWatch::default();
+    let mut watch = LostWatch::of(true);
     let lost = (1..100).find(|_| watch.is_lost(&inside, 0.6));
     assert_eq!((lost, watch.is_confirmed()), (Some(5), false));
     // Who has known where it is drives over a cell of the map that is wrong.
@@ -137,22 +166,22 @@ fn now_and_then_it_looks_closely() {
     let seen = judged(through, 60.0, 0.0);
     let lost = (1..100).find(|_| !watch.is_fine() && watch.is_lost(&seen, 0.6));
     assert!(lost.is_some_and(|n| (20..=30).contains(&n)), "{lost:?}");
-    assert!(!LostWatch::default().is_fine(), "it is not confirmed");
+    assert!(!LostWatch::of(true).is_fine(), "it is not confirmed");
 }
 
 #[test]
 fn a_place_off_the_map_is_not_believed_unless_it_was_on_it_before() {
     let nothing = judged(Explained::default(), 60.0, 0.0);
     let after = |watch: &mut LostWatch| (1..100).find(|_| watch.is_lost(&nothing, 0.6));
-    let mut watch = LostWatch::default();
+    let mut watch = LostWatch::of(true);
     assert!(!watch.is_lost(&judged(FITS, 60.0, 0.0), 0.6));
     assert_eq!(after(&mut watch), None);
-    assert!(after(&mut LostWatch::default()).is_some());
+    assert!(after(&mut LostWatch::of(true)).is_some());
 }
 
 #[test]
 fn a_blind_lidar_does_not_make_a_robot_lost() {
-    let mut watch = LostWatch::default();
+    let mut watch = LostWatch::of(true);
     let nothing = Explained {
         through: 30.0,
         ..Explained::default()
@@ -181,5 +210,5 @@ fn a_moment_is_forgotten() {
 #[test]
 fn who_lies_on_the_map_again_knows_as_much_as_before() {
     assert!(LostWatch::confirmed().again().is_confirmed());
-    assert!(!LostWatch::default().again().is_confirmed());
+    assert!(!LostWatch::of(true).again().is_confirmed());
 }
