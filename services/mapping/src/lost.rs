@@ -158,7 +158,8 @@ impl LostWatch {
             (is_off && !self.confirmed) || (is_judged && seems_elsewhere(&explained, below));
         // What one scan says alone outweighs what others have said from elsewhere.
         let fits_alone = !differs && fits(&explained, n_judged, n_hits);
-        if is_doubted && scan.is_inside {
+        // A robot whose scan fits drives over a cell of the map that is wrong.
+        if is_doubted && scan.is_inside && !fits_alone {
             self.seems_s += INSIDE_COUNTS * elapsed_s;
             return self.seems_s >= LASTS_S;
         }

@@ -139,6 +139,7 @@ pub(crate) struct Relocaliser {
     uncertain_s: f64,
     /// What is asked beyond [`AHEAD`].
     caution: f64,
+    /// Run time of the last scan. [ns] 0 = there was none.
     last_ns: u64,
     /// Made when it is searched for the first time.
     map: Option<SearchMap>,
@@ -230,8 +231,13 @@ impl Relocaliser {
         sight: &Sight<'_>,
         stands: impl Fn(Point2<f64>) -> bool,
     ) -> Step {
-        let elapsed_s = seconds(sight.run_ns.saturating_sub(self.last_ns)).min(STEP_S_MAX);
-        self.last_ns = sight.run_ns;
+        // How long before its first scan things were as they are, nobody knows.
+        let last_ns = core::mem::replace(&mut self.last_ns, sight.run_ns);
+        let elapsed_s = if last_ns > 0 {
+            seconds(sight.run_ns.saturating_sub(last_ns)).min(STEP_S_MAX)
+        } else {
+            0.0
+        };
         if sight.is_uncertain {
             self.uncertain_s += elapsed_s;
             return self.seek(sight, stands);

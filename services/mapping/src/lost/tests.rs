@@ -142,17 +142,29 @@ fn a_scan_that_fits_outweighs_those_before() {
 }
 
 #[test]
-fn a_place_in_a_wall_is_not_believed_for_long_and_never_confirmed() {
-    let inside = Judged {
+fn a_place_in_a_wall_at_which_the_scan_does_not_fit_is_not_believed_for_long() {
+    let inside = |on: f64, new: f64| Judged {
         is_inside: true,
-        ..judged(FITS, 60.0, 0.0)
+        ..judged(
+            Explained {
+                on,
+                new,
+                through: 0.0,
+            },
+            on + new,
+            0.0,
+        )
     };
     let mut watch = LostWatch::of(true);
-    let lost = (1..100).find(|_| watch.is_lost(&inside, 0.6));
+    let lost = (1..100).find(|_| watch.is_lost(&inside(30.0, 30.0), 0.6));
     assert_eq!((lost, watch.is_confirmed()), (Some(5), false));
     // Who has known where it is drives over a cell of the map that is wrong.
     let mut watch = LostWatch::confirmed();
-    assert!((1..100).all(|_| !watch.is_lost(&inside, 0.6)));
+    assert!((1..100).all(|_| !watch.is_lost(&inside(30.0, 30.0), 0.6)));
+    // So does who was told the truth.
+    let mut watch = LostWatch::of(true);
+    assert!((1..100).all(|_| !watch.is_lost(&inside(60.0, 0.0), 0.6)));
+    assert!(watch.is_confirmed());
 }
 
 /// Laid on the other sides of its walls a scan looks fine at first.

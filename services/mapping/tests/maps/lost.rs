@@ -18,7 +18,7 @@ pub(crate) struct Robot {
     /// What odometry says of its variances.
     pub(crate) odometry_variance: [f64; 3],
     rng: Rng,
-    n_scans: u64,
+    pub(crate) n_scans: u64,
     /// It is checked after every answer.
     checks: bool,
 }

@@ -80,6 +80,19 @@ fn a_place_in_a_wall_is_given_up_at_once() {
     assert!(lost.is_some(), "{:?}", robot.certainty());
 }
 
+/// After a restart the first scan of a process comes late in a run, and is one scan.
+#[test]
+fn the_first_scan_alone_gives_no_place_up() {
+    let hall = hall();
+    let truth = hall.pose(120.0, 70.0, 0.2);
+    let mut robot = Robot::told(&hall, truth, hall.pose(160.0, 110.0, 0.2), 1);
+    robot.n_scans = 1000;
+    for _ in 0..3 {
+        robot.step(Pose::default());
+        assert_eq!(robot.certainty(), PoseCertainty::Unconfirmed);
+    }
+}
+
 /// Where odometry begins in the frame of the map nothing was told, however exact it is.
 #[test]
 fn where_odom_is_map_there_is_nothing_to_confirm() {
