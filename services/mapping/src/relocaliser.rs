@@ -60,6 +60,9 @@ const FOUND: (f64, f64) = (0.03, 0.02);
 /// After how long a robot is looked for again, and after what motion. [s, m, rad]
 const AGAIN: (f64, f64, f64) = (2.0, 0.3, 0.3);
 
+/// Least number of a configured pose, in m or rad, that is not 0 by rounding.
+const TOLD: f64 = 1.0e-9;
+
 /// A scan, and where it was taken as far as is known.
 #[derive(Clone, Copy)]
 pub(crate) struct Sight<'a> {
@@ -174,7 +177,7 @@ impl Relocaliser {
             room_m,
             // Where `odom` begins as `map` nothing was told.
             watch: LostWatch::of(
-                (config.localisation.map_from_odom.iter()).any(|it| it.abs() > 0.0),
+                (config.localisation.map_from_odom.iter()).any(|it| it.abs() > TOLD),
             ),
             stage: Stage::Known,
             sought: Sought::Not,

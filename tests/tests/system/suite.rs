@@ -437,16 +437,11 @@ fn generated_suite_needs_no_data_and_has_a_row_per_class() {
 #[test]
 fn robots_that_do_not_know_where_they_are_find_themselves() {
     let data = shipped_data("").display().to_string();
-    let arguments = [
-        "suite",
-        "kidnapped",
-        "--data",
-        &data,
-        "--worlds",
-        "17..27",
-        "--json",
-    ];
-    let report = zeronav(&arguments).expect(0);
+    let suite = |worlds: &str| {
+        let arguments = ["suite", "kidnapped", "--data", &data, "--worlds", worlds];
+        zeronav(&[&arguments[..], &["--json"]].concat()).expect(0)
+    };
+    let report = suite("17..27");
     let runs = report["runs"].as_array().expect("runs");
     // The rooms are alike in places: who stands there cannot know which of them it is.
     let told_nothing = runs.iter().filter(|run| run["class"] == "told_nothing");
@@ -461,6 +456,18 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
         let below = |key: &str, most: f64| run[key].as_f64().is_some_and(|value| value < most);
         assert!(below("pose_error_m", 0.1), "{run:#}");
         assert!(below("pose_error_rad", 3.0_f64.to_radians()), "{run:#}");
+    }
+    // Who is told the truth doubts it at first, and neither loses it nor fails by that.
+    let right = suite("40..42");
+    let right = right["runs"].as_array().expect("runs");
+    assert_eq!(right.len(), 2);
+    for run in right {
+        assert_eq!(run["class"], "told_right", "{run:#}");
+        assert_eq!(
+            (&run["success"], &run["lost"]),
+            (&true.into(), &0.into()),
+            "{run:#}"
+        );
     }
     let ended = zeronav(&[
         "suite",
