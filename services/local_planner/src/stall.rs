@@ -43,8 +43,8 @@ pub(crate) struct Stalled {
 }
 
 impl Stall {
-    /// Takes in the rest of the path and the yaw at which the robot turns on the spot, if it does, and
-    /// says for how long it has not come closer by `progress_m`.
+    /// Takes in the rest of the path, infinite while that is not known, and the yaw at which the robot turns on the spot, if
+    /// it does, and says for how long it has not come closer by `progress_m`. To know the rest again is to come closer.
     pub(crate) fn step(
         &mut self,
         run_ns: u64,
@@ -55,8 +55,12 @@ impl Stall {
         self.now_ns = run_ns;
         let mut closer = false;
         match self.best_m {
-            Some(best_m) if geometry == self.geometry => {
+            Some(best_m)
+                if remaining_m.is_finite()
+                    && (geometry == self.geometry || best_m.is_infinite()) =>
+            {
                 closer = remaining_m <= best_m - progress_m;
+                self.geometry = geometry;
                 if closer {
                     self.best_m = Some(remaining_m);
                     self.since_ns = run_ns;
@@ -121,6 +125,20 @@ mod tests {
         assert!((far_s(3 * S, 4.95) - 3.0).abs() < 1e-9);
         assert!(far_s(4 * S, 4.89) < 1e-9);
         assert!((far_s(6 * S, 4.85) - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn who_does_not_know_the_rest_comes_no_closer_before_it_does() {
+        let mut stall = Stall::default();
+        let mut step = |run_ns, on| stall.step(run_ns, on, None, 0.1);
+        step(0, (1, 5.0));
+        for s in 1..20_u32 {
+            let unknown = step(u64::from(s) * S, (u64::from(s % 2), f64::INFINITY));
+            assert!(!unknown.closer && (unknown.far_s - f64::from(s)).abs() < 1e-9);
+        }
+        let known = step(20 * S, (7, 9.0));
+        assert!(known.closer && known.far_s < 1e-9, "{known:?}");
+        assert!(!step(21 * S, (7, 8.95)).closer && step(22 * S, (7, 8.89)).closer);
     }
 
     #[test]

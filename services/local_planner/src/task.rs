@@ -303,6 +303,12 @@ impl TaskMachine {
             return step;
         }
         let geometry = inputs.remaining.map_or(0, |(_, geometry)| geometry);
+        // A meaningless pose may look like progress.
+        let remaining_m = if knows_pose {
+            self.remaining_m
+        } else {
+            f64::INFINITY
+        };
         if self.wait.is_some() {
             self.stall.hold(inputs.run_ns);
         }
@@ -312,7 +318,7 @@ impl TaskMachine {
             closer,
         } = self.stall.step(
             inputs.run_ns,
-            (geometry, self.remaining_m),
+            (geometry, remaining_m),
             inputs.turns.then_some(pose.yaw_rad),
             self.config.progress_m,
         );

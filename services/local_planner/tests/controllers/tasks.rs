@@ -163,6 +163,31 @@ fn a_robot_that_does_not_know_where_it_is_has_not_arrived() {
     }
 }
 
+/// It drives to look around, and its meaningless pose comes closer all the time.
+#[test]
+fn a_pose_that_means_nothing_is_no_progress() {
+    let mut bench = Bench::with_goals(&[goal(1, 100.0)]);
+    bench.certainty = PoseCertainty::Unknown;
+    let mut drive = |bench: &mut Bench, n: u32| {
+        for _ in 0..n {
+            bench.pose.x_m += 0.01;
+            bench.step();
+        }
+    };
+    drive(&mut bench, 29 * 50);
+    bench.check(TaskState::Active, EndReason::None, &[]);
+    // Who has found itself has all its time again.
+    let mut found = bench.clone();
+    found.certainty = PoseCertainty::Confirmed;
+    found.path = planned(PathStatus::Found, 1);
+    found.remaining = Some((120.0, 3));
+    found.steps(29 * 50);
+    found.check(TaskState::Active, EndReason::None, &[]);
+    drive(&mut bench, 2 * 50);
+    let failed = [(1, TaskState::Failed)];
+    bench.check(TaskState::Failed, EndReason::PoseUnknown, &failed);
+}
+
 /// Nothing that the robot sees has confirmed where it was told to be: no goal ends by that pose, but none waits for ever.
 #[test]
 fn a_goal_waits_while_nothing_confirms_where_the_robot_is() {
