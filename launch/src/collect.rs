@@ -177,8 +177,8 @@ impl Collector {
 
     /// True when the robot knows where it is, and that is confirmed.
     #[must_use]
-    pub(crate) fn knows_pose(&self) -> bool {
-        self.certainty == PoseCertainty::Confirmed
+    pub(crate) fn is_pose_confirmed(&self) -> bool {
+        self.certainty.is_confirmed()
     }
 
     /// `map_from_base` as the stack takes it to be; `None` before the first map and odometry.

@@ -36,6 +36,12 @@ impl PoseCertainty {
     pub const fn is_known(self) -> bool {
         !matches!(self, Self::Unknown)
     }
+
+    /// True when goals may end by its pose.
+    #[must_use]
+    pub const fn is_confirmed(self) -> bool {
+        matches!(self, Self::Confirmed)
+    }
 }
 
 impl MapInfo {
@@ -80,6 +86,9 @@ mod tests {
         assert_eq!(of(POSE_SIGMA_M_MAX, 0.0), PoseCertainty::Unknown);
         assert_eq!(of(0.0, POSE_SIGMA_RAD_MAX), PoseCertainty::Unknown);
         assert!(PoseCertainty::Unknown < PoseCertainty::Unconfirmed);
-        assert!(PoseCertainty::Unconfirmed.is_known() && !PoseCertainty::Unknown.is_known());
+        let known = PoseCertainty::ALL
+            .iter()
+            .map(|it| (it.is_known(), it.is_confirmed()));
+        assert!(known.eq([(false, false), (true, false), (true, true)]));
     }
 }

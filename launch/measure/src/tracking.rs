@@ -123,7 +123,7 @@ impl TruthComparison {
         pose.scans += 1;
         pose.error_m_last = error_m;
         pose.error_rad_last = Some(error_rad);
-        pose.known_last = Some(certainty == PoseCertainty::Confirmed);
+        pose.known_last = Some(certainty.is_confirmed());
         let is_known = certainty.is_known();
         pose.lost += usize::from(core::mem::replace(&mut self.was_known, is_known) && !is_known);
         pose.true_pose_last = [truth.x_m, truth.y_m, truth.yaw_rad];

@@ -42,7 +42,7 @@ fn handed_on(
         return Some(given);
     }
     let (_, map_from_odom, certainty) = known?;
-    let is_granted = certainty == PoseCertainty::Confirmed && map_from_odom == Pose::default();
+    let is_granted = certainty.is_confirmed() && map_from_odom == Pose::default();
     (!is_granted).then(|| PoseEstimate {
         map_from_base: map_from_odom,
         certainty: certainty.code(),
@@ -62,7 +62,7 @@ mod tests {
         for certainty in PoseCertainty::ALL {
             for map_from_odom in [DRIFTED, Pose::default()] {
                 let told = handed_on(Some((7, map_from_odom, *certainty)), None);
-                if *certainty == PoseCertainty::Confirmed && map_from_odom == Pose::default() {
+                if certainty.is_confirmed() && map_from_odom == Pose::default() {
                     assert_eq!(told, None, "it takes odometry for the truth anyway");
                 } else {
                     let told = told.expect("a pose");

@@ -24,7 +24,7 @@ impl Session<'_> {
             }
             return;
         }
-        let is_known = self.is_ready && self.collector.knows_pose();
+        let is_known = self.is_ready && self.collector.is_pose_confirmed();
         let pose = self.collector.estimate().filter(|_| is_known);
         last_pose.first = last_pose.first.or(pose);
         if last_pose.looked.elapsed() < PAUSE {
@@ -73,7 +73,7 @@ impl Session<'_> {
         let pose = self
             .collector
             .estimate()
-            .filter(|_| self.collector.knows_pose() && !is_old)?;
+            .filter(|_| self.collector.is_pose_confirmed() && !is_old)?;
         let was_told = self.given_pose.is_some();
         let last_pose = self.last_pose.as_mut().filter(|it| it.resumes.is_none())?;
         Some((last_pose.file.clone(), last_pose.text(pose, was_told)?))

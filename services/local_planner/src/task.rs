@@ -340,7 +340,7 @@ impl TaskMachine {
     /// The current goal ends, as reached without a failure, unless nothing has confirmed where the robot is: then it
     /// waits for that. True when it has ended.
     fn conclude(&mut self, inputs: &TaskInputs, failure: Option<EndReason>) -> bool {
-        if inputs.certainty == PoseCertainty::Confirmed {
+        if inputs.certainty.is_confirmed() {
             match failure {
                 None => self.reach(inputs),
                 Some(reason) => self.end(inputs.tick, TaskState::Failed, reason),
