@@ -23,7 +23,7 @@ codes! {
         #[default]
         Unknown = 0 => "unknown",
         /// It was told, and what it sees neither contradicts nor confirms that: it may drive, but neither claims an
-        /// arrival nor gives up a goal.
+        /// arrival nor gives up a goal before it has waited for that.
         Unconfirmed = 1 => "unconfirmed",
         /// It does.
         Confirmed = 2 => "confirmed",

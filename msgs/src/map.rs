@@ -170,7 +170,8 @@ message! {
         pub revision: u64,
         /// `map_from_odom`.
         pub map_from_odom: Pose,
-        /// Covariance of the pose of `base` in the map, against where that began, upper triangle by rows. [m, m, rad]
+        /// Covariance of the pose of `base` in the map, against where that began, upper triangle by rows. [m, m, rad] Its
+        /// deviations also say how far the pose is known ([`MapInfo::certainty`]).
         pub covariance: [f64; 6],
         /// [number] Which part of the revision this is, from 0.
         pub part: u16,

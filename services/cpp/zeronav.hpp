@@ -981,7 +981,7 @@ struct MapInfo {
     /// `map_from_odom`.
     Pose map_from_odom{};
     /// Covariance of the pose of `base` in the map, against where that began, upper triangle by
-    /// rows. [m, m, rad]
+    /// rows. [m, m, rad] Its deviations also say how far the pose is known (`MapInfo::certainty`).
     double covariance[6]{};
     /// [number] Which part of the revision this is, from 0.
     std::uint16_t part{};

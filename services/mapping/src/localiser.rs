@@ -195,9 +195,9 @@ impl Localiser {
     }
 
     /// Covariance of the robot's pose in the map, upper triangle by rows. [m, m, rad] On a map of its own
-    /// making that is against where the map began, and grows with the way. As long as the pose is
-    /// uncertain its deviations are above those from which on nobody may rely on it, and above those of a pose that
-    /// was told until it `is_confirmed`.
+    /// making that is against where the map began, and grows with the way. While it is uncertain its
+    /// deviations are above those from which nobody may rely on it; until it `is_confirmed` they are at least
+    /// [`POSE_SIGMA_TOLD`].
     #[must_use]
     pub fn covariance(&self, is_confirmed: bool) -> [f64; 6] {
         let mut c = self.drift;

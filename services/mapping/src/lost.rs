@@ -13,12 +13,13 @@ use zeronav_msgs::Pose;
 /// What a beam counts that has met something new, beside one that is explained or contradicts the map.
 const NEW_COUNTS: f64 = 0.3;
 
-/// Share of the judged beams that must contradict the map, their number, and that of those that ended somewhere: a lidar
-/// that sees nothing is blind.
+/// Share of the judged beams that must contradict the map.
 const CONTRADICTS: f64 = 0.12;
+
+/// Least number of judged beams, and of beams that ended somewhere: a lidar that sees nothing is blind.
 const JUDGED_MIN: f64 = 25.0;
 
-/// The same number while the place is not confirmed.
+/// The same while a place that was told is not confirmed.
 const JUDGED_MIN_UNCONFIRMED: f64 = 10.0;
 
 /// Share of the beams that ended somewhere that the map must explain to confirm a place: what ends where nothing is known,

@@ -19,6 +19,7 @@ use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_msgs::topics::EVENT_NEED_KEYFRAME;
 use zeronav_params::Parameter;
+use zeronav_shell::clock::now_ns;
 use zeronav_shell::doorbell::Rung;
 use zeronav_shell::{Due, Service, Shell, StartError};
 use zeronav_world::StaticMap;
@@ -41,7 +42,7 @@ struct MappingService {
     learnt_tick: u64,
     /// Made when the robot is known.
     mapping: Option<Mapping>,
-    /// When the answer before was given. [ns]
+    /// When the last answer was out. [ns]
     answered_ns: u64,
     readings: Readings,
     map: MapOutput,
@@ -195,11 +196,11 @@ impl MappingService {
             self.map.send(shell, &draft, mapping)
         };
         shell.finish(&draft, sent, work);
+        self.answered_ns = now_ns();
         let (map_from_odom, _) = mapping.map_from_odom();
         self.log.log_sought(due.tick, mapping.sought());
         self.log
             .log(due.tick, draft.run_ns, &map_from_odom, n_obstacles);
-        self.answered_ns = draft.started_ns;
     }
 
     /// Asks of the last scan what nobody waits for. When does not matter to the next answer.

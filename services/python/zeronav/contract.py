@@ -611,7 +611,8 @@ class MapInfo(Message):
         # `map_from_odom`.
         ("map_from_odom", Pose),
         # Covariance of the pose of `base` in the map, against where that began, upper triangle by
-        # rows. [m, m, rad]
+        # rows. [m, m, rad] Its deviations also say how far the pose is known
+        # (`MapInfo::certainty`).
         ("covariance", f64 * 6),
         # [number] Which part of the revision this is, from 0.
         ("part", u16),
