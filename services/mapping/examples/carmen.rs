@@ -18,11 +18,11 @@ use nalgebra::{Point2, Vector2};
 use std::error::Error;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use support::on_processor_ms;
+use support::{observed, take_in_ms};
 use zeronav_mapping::beams::{Beam, Beams, End, Sweep};
 use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::ray::{Passing, Ray};
-use zeronav_mapping::{Mapper, Mapping, MappingConfig, Observation, Sought};
+use zeronav_mapping::{Mapper, Mapping, MappingConfig, Sought};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::pose::wrap_angle;
@@ -225,18 +225,9 @@ fn relocalise<'a>(
         let mut mapping = Mapping::new(&config, Some(&map), &description, &[])?;
         let (scan, ranges) = scan_of(laser);
         let found = (1..=SCANS).any(|n| {
-            let begun_ms = on_processor_ms();
-            mapping.take_in(&Observation {
-                scan: &scan,
-                ranges: &ranges,
-                run_ns: u64::from(n) * 100_000_000,
-                odom_from_base_first: Pose::default(),
-                odom_from_base: Pose::default(),
-                odometry_variance: [1.0e-4; 3],
-                goal: None,
-                told: None,
-            });
-            scan_ms.push(on_processor_ms() - begun_ms);
+            let stands = Pose::default();
+            let seen = observed((&scan, &ranges), u64::from(n), stands, [1.0e-4; 3]);
+            scan_ms.push(take_in_ms(&mut mapping, &seen));
             !mapping.is_uncertain()
         });
         let pose = mapping.map_from_odom().0;

@@ -175,6 +175,16 @@ fn end_of(scan: &Scan, range_m: f32) -> End {
     }
 }
 
+/// True for a beam that ended where beams count.
+pub(crate) fn is_near(beam: &Beam, range_m_max: f64) -> bool {
+    matches!(beam.end, End::Hit(range_m) if range_m <= range_m_max)
+}
+
+/// Every how many beams one is looked at, for about `n_max` of them.
+pub(crate) fn every_nth(beams: &[Beam], n_max: usize) -> usize {
+    beams.len().div_ceil(n_max).max(1)
+}
+
 /// Puts the ends that stand, of every n-th beam that ended no farther than `range_m_max`, in place of those in `at` [m],
 /// and which share of the scan was still to come in place of those in `ago`. How many ended.
 pub(crate) fn ends_of(
@@ -191,11 +201,7 @@ pub(crate) fn ends_of(
     let mut n_ends = 0;
     for (n, beam) in beams.iter().enumerate().step_by(every) {
         // What lies beyond is on no map.
-        let end = match beam.end {
-            End::Hit(range_m) if range_m <= range_m_max => beam.point(),
-            _ => None,
-        };
-        let Some(end) = end else {
+        let Some(end) = is_near(beam, range_m_max).then(|| beam.point()).flatten() else {
             continue;
         };
         n_ends += 1;

@@ -8,7 +8,7 @@ use crate::beams::{Beam, End};
 use crate::mapper::Mapper;
 use crate::ray::{Passing, Ray};
 use nalgebra::{Point2, Vector2};
-use zeronav_msgs::map::{FLAG_STATIC, FLAG_UNKNOWN};
+use zeronav_msgs::map::FLAG_STATIC;
 use zeronav_msgs::{MapCell, Pose};
 
 /// How far before its end a beam may have passed a wall: along walls it grazes their cells. [m]
@@ -88,7 +88,7 @@ impl<'a> Walls<'a> {
                     let end = origin + direction * range_m;
                     if is_on(end) {
                         sum.on += 1.0;
-                    } else if self.is_known(end) {
+                    } else if self.mapper.is_known(end) {
                         sum.new += 1.0;
                     }
                 }
@@ -96,20 +96,6 @@ impl<'a> Walls<'a> {
             }
         }
         sum
-    }
-
-    /// True for a point in an obstacle of the static map.
-    pub(crate) fn is_inside(self, point_in_map: Point2<f64>) -> bool {
-        let geometry = self.mapper.geometry();
-        let index = geometry.index_of(geometry.unbounded_cell_at(point_in_map));
-        index.is_some_and(|index| self.mapper.cells()[index].flags & FLAG_STATIC != 0)
-    }
-
-    /// True when something is known of a point by map or scans.
-    fn is_known(self, point_in_map: Point2<f64>) -> bool {
-        let geometry = self.mapper.geometry();
-        let index = geometry.index_of(geometry.unbounded_cell_at(point_in_map));
-        index.is_some_and(|index| self.mapper.cells()[index].flags & FLAG_UNKNOWN == 0)
     }
 
     fn stand_in_the_way(self, origin: Point2<f64>, direction: Vector2<f64>, until_m: f64) -> bool {

@@ -311,6 +311,14 @@ impl Mapper {
         index.is_some_and(|index| self.belief.is_near_static(index))
     }
 
+    /// True for a point in an obstacle of the static map.
+    #[must_use]
+    pub(crate) fn is_in_static(&self, point_in_map: Point2<f64>) -> bool {
+        let cell = self.geometry.unbounded_cell_at(point_in_map);
+        let index = self.geometry.index_of(cell);
+        index.is_some_and(|index| self.belief.is_static(index))
+    }
+
     /// Brings clearance and cells up to date with the belief.
     fn follow(&mut self, flips: &Flips) {
         for index in &flips.cleared {

@@ -3,7 +3,7 @@
 mod whereabouts;
 mod zones;
 
-use crate::beams::{Beams, Sweep, ends_of};
+use crate::beams::{Beams, Sweep, ends_of, every_nth};
 use crate::config::MappingConfig;
 use crate::error::MappingError;
 use crate::flips::Integrated;
@@ -293,7 +293,7 @@ impl Mapping {
     ) -> bool {
         let beams = self.beams.as_slice();
         let ends = (&mut self.standing, &mut self.ago);
-        let every = beams.len().div_ceil(FEW).max(1);
+        let every = every_nth(beams, FEW);
         ends_of(beams, every, self.config.obstacle_range_m, ends, |_| true);
         let few = Ends::of((&self.standing, &self.ago), sweep_share, true);
         self.localiser.goes_along(noise, &few, something_moves)

@@ -1,6 +1,6 @@
 //! Places at which a robot that does not know where it is may be, and the map on which they are looked for.
 
-use crate::beams::{Beam, End};
+use crate::beams::{Beam, every_nth, is_near};
 use crate::explained::Explained;
 use crate::global_search::GlobalSearch;
 use crate::mapper::Mapper;
@@ -25,16 +25,10 @@ pub(crate) struct Held {
     pub(crate) explained: Explained,
 }
 
-/// True for a beam that ended where beams count.
-pub(crate) fn is_near(beam: &Beam, range_m_max: f64) -> bool {
-    matches!(beam.end, End::Hit(range_m) if range_m <= range_m_max)
-}
-
 /// How many of about `n_max` beams ended where beams count.
 #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
 pub(crate) fn n_hits(beams: &[Beam], n_max: usize, range_m_max: f64) -> f64 {
-    let every = beams.len().div_ceil(n_max).max(1);
-    let beams = beams.iter().step_by(every);
+    let beams = beams.iter().step_by(every_nth(beams, n_max));
     beams.filter(|beam| is_near(beam, range_m_max)).count() as f64
 }
 

@@ -5,7 +5,7 @@
 //! that look through walls counting against a place. One that explains most, and clearly more than any other, is where the robot
 //! is. Otherwise it is not known, and looked for again: never is a place guessed among equal ones.
 
-use crate::beams::Beam;
+use crate::beams::{Beam, every_nth, is_near};
 use crate::config::MappingConfig;
 use crate::explained::{Explained, Walls};
 use crate::global_search::GlobalSearch;
@@ -13,7 +13,7 @@ use crate::localisation::StartPose;
 use crate::localiser::CorrectionMode;
 use crate::lost::{Judged, LostWatch, seems_elsewhere};
 use crate::mapper::Mapper;
-use crate::places::{Held, exact, is_near, is_same, lay, motion, n_hits, search_map};
+use crate::places::{Held, exact, is_same, lay, motion, n_hits, search_map};
 use crate::scan_match::Match;
 use crate::search_map::SearchMap;
 use crate::window::WindowMode;
@@ -294,7 +294,7 @@ impl Relocaliser {
             n_ends: n,
             n_hits: n_hits(sight.beams, GLANCE, self.range_m_max),
             map_from_base: sight.map_from_base,
-            is_inside: Walls::of(sight.mapper).is_inside(sight.map_from_base.point()),
+            is_inside: sight.mapper.is_in_static(sight.map_from_base.point()),
             elapsed_s,
         };
         self.watch.is_lost(&judged, self.lost_below)
@@ -473,7 +473,7 @@ impl Relocaliser {
 
     /// Finds the beams that say something of what stands, at most about `n_max`.
     fn stand(&mut self, sight: &Sight<'_>, n_max: usize, stands: impl Fn(Point2<f64>) -> bool) {
-        let every = sight.beams.len().div_ceil(n_max).max(1);
+        let every = every_nth(sight.beams, n_max);
         let into_map = sight.map_from_base.isometry();
         let beams = sight.beams.iter().enumerate().step_by(every);
         self.standing.clear();

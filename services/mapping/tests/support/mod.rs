@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "every test and bench uses its own part")]
 
-use zeronav_mapping::{MappingConfig, Observation};
+use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::scan::Scan;
 use zeronav_msgs::{Cell, GridGeometry, Pose};
@@ -152,6 +152,14 @@ pub(crate) fn observed<'a>(
         goal: None,
         told: None,
     }
+}
+
+/// Takes in a scan and checks it, what it costs. [ms]
+pub(crate) fn take_in_ms(mapping: &mut Mapping, seen: &Observation<'_>) -> f64 {
+    let begun_ms = on_processor_ms();
+    mapping.take_in(seen);
+    mapping.check();
+    on_processor_ms() - begun_ms
 }
 
 /// A robot of 0.2 m.
