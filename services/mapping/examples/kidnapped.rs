@@ -100,7 +100,7 @@ impl Tally {
             |values: &mut Vec<f64>, share: f64| percentile(values, share).unwrap_or(f64::NAN);
         format!(
             "found {:3} ambiguous {:3} nowhere {:3} searching {:3} never lost {:3} WRONG {:3} | after s {:.1} max {:.1} \
-             | off cm {:.1} max {:.1}, deg {:.2} max {:.2} | scan ms {:.2} max {:.2}",
+             | off cm {:.1} max {:.1}, deg {:.2} max {:.2} | scan ms {:.2} p99 {:.2} max {:.2}",
             self.found,
             self.ambiguous,
             self.nowhere,
@@ -114,6 +114,7 @@ impl Tally {
             percentile(&mut self.off_rad, 0.5).to_degrees(),
             percentile(&mut self.off_rad, 1.0).to_degrees(),
             percentile(&mut self.scan_ms, 0.5),
+            percentile(&mut self.scan_ms, 0.99),
             percentile(&mut self.scan_ms, 1.0),
         )
     }
