@@ -78,6 +78,12 @@ fn maps() {
                 |it, value| it.cost_model.scaling_per_m = value,
                 [0.0, 1.0e6],
             ),
+            ("way_out", |it, value| it.way_out.until_m[1] = value, PLACE),
+            (
+                "way_out.radius_m",
+                |it, value| it.way_out.radius_m = value,
+                [0.0, PLACE[1]],
+            ),
         ],
     );
     let changed = |change: fn(&mut MapInfo)| {

@@ -168,7 +168,7 @@ fn a_robot_that_does_not_know_where_it_is_has_not_arrived() {
 fn a_pose_that_means_nothing_is_no_progress() {
     let mut bench = Bench::with_goals(&[goal(1, 100.0)]);
     bench.certainty = PoseCertainty::Unknown;
-    let mut drive = |bench: &mut Bench, n: u32| {
+    let drive = |bench: &mut Bench, n: u32| {
         for _ in 0..n {
             bench.pose.x_m += 0.01;
             bench.step();
