@@ -3,7 +3,7 @@
 //! Branch and bound (Hess, Kohler, Rapp, Andor, "Real-Time Loop Closure in 2D LIDAR SLAM", 2016, algorithm 3),
 //! best first: a node is a cube of poses in x, y and yaw, its bound the sum over the beams of the best that any cell explains
 //! in which one may end at any of these poses, and the cube with the highest bound is cut into eight. So the first single pose that
-//! is taken is the best of all, and the others follow in order. The work is counted in nodes and goes on
+//! is taken is the best of all, and the others follow in order. The work is counted in beams and goes on
 //! where it was left: the same in every run, however it is sliced.
 
 use crate::search_map::SearchMap;
@@ -31,6 +31,9 @@ const WORTH: (f64, f64) = (0.35, 0.82);
 /// Nodes that are looked at, and that wait, at most. A scan that would take more lies nearly as well nearly everywhere.
 const LOOKS_MAX: usize = 3_000_000;
 const WAIT_MAX: usize = 1 << 20;
+
+/// What it costs to take a node from those that wait, in beams that are laid on the map.
+const TAKES: usize = 24;
 
 /// A cube of poses: `bound` first, so that the best one comes first, and the rest makes the order whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,6 +70,8 @@ pub(crate) struct GlobalSearch {
     places: Vec<Place>,
     /// Nodes that were looked at.
     n_looks: usize,
+    /// Beams that were laid on the map, and what else costs as much.
+    n_beams: usize,
     /// Every pose was looked at or refused.
     complete: bool,
 }
@@ -93,19 +98,20 @@ impl GlobalSearch {
             waiting: BinaryHeap::new(),
             places: Vec::new(),
             n_looks: 0,
+            n_beams: 0,
             complete: false,
         }
     }
 
-    /// Looks at about so many more nodes; true when the search has ended.
-    pub(crate) fn advance(&mut self, map: &SearchMap, n_looks: usize) -> bool {
-        let until = self.n_looks + n_looks;
-        while self.n_looks < until {
+    /// Goes on for about as long as it takes to lay so many beams on the map; true when the search has ended.
+    pub(crate) fn advance(&mut self, map: &SearchMap, n_beams: usize) -> bool {
+        let until = self.n_beams + n_beams;
+        while self.n_beams < until {
             if !self.begin_root(map) {
                 break;
             }
         }
-        while self.n_looks < until {
+        while self.n_beams < until {
             if self.n_looks > LOOKS_MAX || self.waiting.len() > WAIT_MAX {
                 return true;
             }
@@ -113,6 +119,7 @@ impl GlobalSearch {
                 self.complete = true;
                 return true;
             };
+            self.n_beams += TAKES;
             if self.is_beside_a_place(map, &node) {
                 continue;
             }
@@ -209,7 +216,8 @@ impl GlobalSearch {
             (usize::from(level) + 1, side / 2)
         };
         let least = self.least();
-        let bound = map.sum(grid, (x - before, y - before), &self.turned, least);
+        let (bound, n_beams) = map.sum(grid, (x - before, y - before), &self.turned, least);
+        self.n_beams += n_beams;
         if bound > least {
             self.waiting.push(Node {
                 bound,

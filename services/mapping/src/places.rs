@@ -65,22 +65,40 @@ pub(crate) fn exact(search: &GlobalSearch, mapper: &Mapper, ends: &[Point2<f64>]
 }
 
 /// What is searched: the static map, and where it leaves room.
-pub(crate) fn search_map(mapper: &Mapper, room_m: f64) -> SearchMap {
-    let cells = mapper.cells();
-    let geometry = mapper.geometry();
-    let room_m = room_m.min(0.001 * f64::from(mapper.clearance_limit_mm()));
-    let least_m = room_m - 1.5 * geometry.resolution_m;
-    // A robot may be in a keepout zone.
-    let world = mapper.clearance_without_zones();
-    SearchMap::new(
-        geometry,
-        |index| cells[index].flags & FLAG_STATIC != 0,
-        |index| {
-            let cell = &cells[index];
-            let clearance_mm = world
-                .as_ref()
-                .map_or(cell.clearance_mm, |world| world[index]);
-            cell.flags & FLAG_UNKNOWN == 0 && 0.001 * f64::from(clearance_mm) >= least_m
-        },
-    )
+#[derive(Debug)]
+pub(crate) struct Ground {
+    map: SearchMap,
+    /// Clearance to the world alone, where zones are painted. [mm]
+    world_mm: Option<Vec<u16>>,
+    /// Least clearance. [m]
+    least_m: f64,
+}
+
+impl Ground {
+    /// Begins it for a robot that can stand where the clearance is `room_m`.
+    pub(crate) fn new(mapper: &Mapper, room_m: f64) -> Self {
+        let room_m = room_m.min(0.001 * f64::from(mapper.clearance_limit_mm()));
+        Self {
+            map: SearchMap::new(mapper.geometry()),
+            // A robot may be in a keepout zone.
+            world_mm: mapper.clearance_without_zones(),
+            least_m: room_m - 1.5 * mapper.geometry().resolution_m,
+        }
+    }
+
+    /// Goes on making it, as [`SearchMap::make`]; the map once it is whole.
+    pub(crate) fn make(&mut self, mapper: &Mapper, n_cells: usize) -> Option<&SearchMap> {
+        let (cells, least_m) = (mapper.cells(), self.least_m);
+        let world_mm = self.world_mm.as_ref();
+        let is_whole = self.map.make(
+            |index| cells[index].flags & FLAG_STATIC != 0,
+            |index| {
+                let cell = &cells[index];
+                let clearance_mm = world_mm.map_or(cell.clearance_mm, |world| world[index]);
+                cell.flags & FLAG_UNKNOWN == 0 && 0.001 * f64::from(clearance_mm) >= least_m
+            },
+            n_cells,
+        );
+        is_whole.then_some(&self.map)
+    }
 }

@@ -24,9 +24,16 @@ const SPREAD_M: f64 = 0.1;
 const SPREAD_CELLS: f64 = 0.7;
 const REACH: f64 = 2.5;
 
+/// What it costs to make a surface of a cell, and how many plain cells of a grid cost as much as one of the map to look at.
+const SURFACE: usize = 32;
+const PLAIN: usize = 2;
+
 /// Likelihoods of a map, for searching.
 #[derive(Debug)]
 pub(crate) struct SearchMap {
+    /// Of the map, and how many rows of its cells were looked at.
+    geometry: GridGeometry,
+    n_rows: i32,
     /// [m]
     origin: Point2<f64>,
     cell_m: f64,
@@ -36,48 +43,77 @@ pub(crate) struct SearchMap {
     /// 255 where a beam ends on a surface, less beside it. Level n: the most of the square of 2^n cells a side that
     /// begins there.
     levels: Vec<Vec<u8>>,
-    /// In how many cells left of and below a corner there is room for the robot.
+    /// Whether there is room for the robot in a cell, and in how many cells left of and below a corner.
+    is_roomy: Vec<bool>,
     room: Vec<u32>,
 }
 
 impl SearchMap {
-    /// The likelihoods of a map, by the row-major indices of its cells: whether one is a wall, and whether the
-    /// robot may stand in it.
-    pub(crate) fn new(
-        geometry: &GridGeometry,
+    /// Goes on making the map, for about as long as it takes to look at so many cells, by the row-major indices of the map's
+    /// cells: whether one is a wall, and whether the robot may stand in it. True when the map is whole.
+    pub(crate) fn make(
+        &mut self,
         is_wall: impl Fn(usize) -> bool,
         has_room: impl Fn(usize) -> bool,
-    ) -> Self {
-        let mut map = Self::empty(geometry);
-        let mut room = vec![false; index(map.width, map.height, map.width)];
-        let (columns, rows) = geometry.size();
+        n_cells: usize,
+    ) -> bool {
+        let (columns, rows) = self.geometry.size();
+        let n_columns = usize::try_from(columns).unwrap_or(0);
+        let mut spent = 0;
+        while self.levels.len() < LEVELS {
+            let is_looked_at = self.n_rows >= rows;
+            let cost = if is_looked_at {
+                self.levels[0].len() / PLAIN
+            } else {
+                n_columns
+            };
+            if spent > 0 && spent + cost > n_cells {
+                return false;
+            }
+            spent += cost;
+            if !is_looked_at {
+                spent += SURFACE * self.add_row(&is_wall, &has_room);
+            } else if self.room.is_empty() {
+                self.sum_up();
+            } else {
+                self.add_level(1 << (self.levels.len() - 1));
+            }
+        }
+        true
+    }
+
+    /// Looks at the next row of the map's cells; how many of them are surfaces.
+    fn add_row(
+        &mut self,
+        is_wall: impl Fn(usize) -> bool,
+        has_room: impl Fn(usize) -> bool,
+    ) -> usize {
+        let geometry = self.geometry;
         let at = |x: i32, y: i32| geometry.index_of(Cell::new(x, y));
-        for y in 0..rows {
-            for x in 0..columns {
-                let Some(here) = at(x, y) else { continue };
-                let centre = map.cells_of(geometry.centre_of(Cell::new(x, y)));
-                if is_wall(here) {
-                    let beside = [(1, 0), (-1, 0), (0, 1), (0, -1)];
-                    let mut beside = beside.iter().filter_map(|(dx, dy)| at(x + dx, y + dy));
-                    if beside.any(|index| !is_wall(index)) {
-                        map.add_surface(centre);
-                    }
-                } else if has_room(here) {
-                    let (x, y) = floor(centre);
-                    if let Some(cell) = (map.holds(x, y)).then(|| index(x, y, map.width)) {
-                        room[cell] = true;
-                    }
+        let (y, mut n_surfaces) = (self.n_rows, 0);
+        self.n_rows += 1;
+        for x in 0..geometry.size().0 {
+            let Some(here) = at(x, y) else { continue };
+            let centre = self.cells_of(geometry.centre_of(Cell::new(x, y)));
+            if is_wall(here) {
+                let beside = [(1, 0), (-1, 0), (0, 1), (0, -1)];
+                let mut beside = beside.iter().filter_map(|(dx, dy)| at(x + dx, y + dy));
+                if beside.any(|index| !is_wall(index)) {
+                    self.add_surface(centre);
+                    n_surfaces += 1;
+                }
+            } else if has_room(here) {
+                let (x, y) = floor(centre);
+                if let Some(cell) = (self.holds(x, y)).then(|| index(x, y, self.width)) {
+                    self.is_roomy[cell] = true;
                 }
             }
         }
-        map.sum_up(&room);
-        for level in 1..LEVELS {
-            map.add_level(1 << (level - 1));
-        }
-        map
+        n_surfaces
     }
 
-    fn empty(geometry: &GridGeometry) -> Self {
+    /// An empty map, to be made of one of these cells.
+    pub(crate) fn new(geometry: &GridGeometry) -> Self {
         let mut times = (CELL_M / geometry.resolution_m).round().max(1.0);
         let cells = |times: f64| {
             let along = |cells: u32| (f64::from(cells) / times).ceil();
@@ -92,12 +128,15 @@ impl SearchMap {
         let (width, height) = (along(geometry.width), along(geometry.height));
         let stride = width + BEFORE;
         Self {
+            geometry: *geometry,
+            n_rows: 0,
             origin: Point2::new(geometry.origin_x_m, geometry.origin_y_m),
             cell_m: times * geometry.resolution_m,
             width,
             height,
             stride,
             levels: vec![vec![0; index(0, height + BEFORE, stride)]],
+            is_roomy: vec![false; index(width, height, width)],
             room: Vec::new(),
         }
     }
@@ -145,13 +184,13 @@ impl SearchMap {
         self.levels.push(next);
     }
 
-    fn sum_up(&mut self, room: &[bool]) {
+    fn sum_up(&mut self) {
         let stride = self.width + 1;
         self.room = vec![0; index(0, self.height + 1, stride)];
         for y in 0..self.height {
             let mut row = 0;
             for x in 0..self.width {
-                row += u32::from(room[index(x, y, self.width)]);
+                row += u32::from(self.is_roomy[index(x, y, self.width)]);
                 self.room[index(x + 1, y + 1, stride)] = row + self.room[index(x + 1, y, stride)];
             }
         }
@@ -168,7 +207,7 @@ impl SearchMap {
     }
 
     /// How well ends are explained, 0 to 255 each, at best, in the squares of 2^`level` cells that begin at (x, y) and as
-    /// far from there as these; 0 when that is not above `least`.
+    /// far from there as these; 0 when that is not above `least`. How many ends that took.
     #[inline]
     pub(crate) fn sum(
         &self,
@@ -176,7 +215,7 @@ impl SearchMap {
         (x, y): (i32, i32),
         ends: &[(i32, i32)],
         least: u32,
-    ) -> u32 {
+    ) -> (u32, usize) {
         /// Ends between two looks at whether the others can still make it.
         const BATCH: usize = 24;
         let (x, y) = (x + BEFORE, y + BEFORE);
@@ -193,10 +232,10 @@ impl SearchMap {
             left -= batch.len();
             #[allow(clippy::cast_possible_truncation, reason = "a few hundred")]
             if sum + 255 * left as u32 <= least {
-                return 0;
+                return (0, ends.len() - left);
             }
         }
-        sum
+        (sum, ends.len())
     }
 
     /// Columns and rows.
@@ -242,11 +281,11 @@ mod tests {
     use super::*;
 
     fn best(map: &SearchMap, level: usize, x: i32, y: i32) -> u32 {
-        map.sum(level, (x, y), &[(0, 0)], 0)
+        map.sum(level, (x, y), &[(0, 0)], 0).0
     }
 
-    /// A room of 6 m x 4 m with walls of two cells, of 5 cm.
-    fn room() -> SearchMap {
+    /// A room of 6 m x 4 m with walls of two cells, of 5 cm, made by so many cells at a time.
+    fn room_by(n_cells: usize) -> (SearchMap, usize) {
         let geometry = GridGeometry {
             origin_x_m: -1.0,
             origin_y_m: 2.0,
@@ -258,7 +297,24 @@ mod tests {
             let (x, y) = (index % 120, index / 120);
             !(2..118).contains(&x) || !(2..78).contains(&y)
         };
-        SearchMap::new(&geometry, is_wall, |_| true)
+        let mut map = SearchMap::new(&geometry);
+        let n_times = (1..1000).find(|_| map.make(is_wall, |_| true, n_cells));
+        (map, n_times.expect("whole"))
+    }
+
+    fn room() -> SearchMap {
+        let (map, n_times) = room_by(1_000_000);
+        assert_eq!(n_times, 1);
+        map
+    }
+
+    /// A large map is made with many scans, each of which takes little.
+    #[test]
+    fn a_map_is_the_same_however_it_is_made() {
+        let whole = room();
+        let (sliced, n_times) = room_by(5000);
+        assert!((10..20).contains(&n_times), "{n_times}");
+        assert!(whole.levels == sliced.levels && whole.room == sliced.room);
     }
 
     #[test]
@@ -282,7 +338,8 @@ mod tests {
         assert!(best(&map, 0, 0, 20) > 200, "on the wall's face");
         assert_eq!(best(&map, 0, 30, 20), 0, "in the middle of the room");
         assert_eq!(best(&map, 0, -1, 20), 0, "beside the map");
-        assert_eq!(map.sum(0, (0, 20), &[(i32::MAX, 0), (0, i32::MIN)], 0), 0);
+        let beside = map.sum(0, (0, 20), &[(i32::MAX, 0), (0, i32::MIN)], 0);
+        assert_eq!(beside, (0, 2));
         assert!(map.has_room(30, 20, 1) && map.has_room(-8, -8, 16));
         assert!(
             !map.has_room(-8, -8, 8) && !map.has_room(0, 10, 1),
