@@ -130,7 +130,9 @@ fn robots(file: &Path, options: Options) -> Result<Tally, Box<dyn Error>> {
         let at = map.geometry.centre_of(cell);
         let yaw_rad = wrap_angle(f64::from(rng.below(62832)) * 1.0e-4);
         let truth = Pose::new(at.x, at.y, yaw_rad);
-        robot(&map, &truth, number, options, &mut rng, &mut tally)?;
+        // How many scans it takes does not change the places of the others.
+        let mut own = Rng(rng.draw());
+        robot(&map, &truth, number, options, &mut own, &mut tally)?;
     }
     Ok(tally)
 }
