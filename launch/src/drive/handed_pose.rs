@@ -66,7 +66,7 @@ mod tests {
                     assert_eq!(told, None, "it takes odometry for the truth anyway");
                 } else {
                     let told = told.expect("a pose");
-                    assert_eq!(told.map_from_odom(), map_from_odom);
+                    assert_eq!(told.map_from_base, map_from_odom);
                     assert_eq!(told.certainty(), Some(*certainty));
                 }
             }
@@ -86,7 +86,7 @@ mod tests {
         assert_eq!(handed_on(None, Some(given)), Some(given));
         assert_eq!(handed_on(known(7), Some(given)), Some(given));
         let told = handed_on(known(8), Some(given)).expect("a pose");
-        assert_eq!(told.map_from_odom(), DRIFTED);
+        assert_eq!(told.map_from_base, DRIFTED);
         assert_eq!(told.certainty(), Some(PoseCertainty::Confirmed));
     }
 }
