@@ -45,6 +45,7 @@ pub mod time;
 pub mod topics;
 pub mod truth;
 pub mod user;
+pub mod way_out;
 pub mod window;
 pub mod zone_marks;
 pub mod zone_set;

@@ -1,11 +1,10 @@
 //! `map/update` and `map/keyframe`: the map, tile by tile.
 
 use crate::grid::{Cell, CellRect, GridGeometry};
-use crate::message::{COORDINATE_M_MAX, Refusal, ZeroCopySend, ensure, number};
+use crate::message::{Refusal, ZeroCopySend, ensure, number};
 use crate::pose::Pose;
-use crate::zone_shape::distance_m;
+use crate::way_out::WayOut;
 use crate::{codes, message};
-use nalgebra::Point2;
 
 /// Side of a tile. [cells]
 pub const TILE_CELLS: usize = 32;
@@ -146,18 +145,6 @@ message! {
         pub inflation_radius_m: f64,
         /// [1/m] by which the cost falls, >= 0.
         pub scaling_per_m: f64,
-    }
-}
-
-message! {
-    /// The straight way by which a robot that is in a keepout zone is let out.
-    pub struct WayOut = "zeronav.WayOut.v1" {
-        /// [m] map frame, where it begins.
-        pub from_m: [f64; 2],
-        /// [m] map frame, where it ends, outside of all keepout zones.
-        pub until_m: [f64; 2],
-        /// [m] to either side of the line between them; 0 = no way is open.
-        pub radius_m: f64,
     }
 }
 
@@ -330,33 +317,6 @@ impl CostModel {
 )]
 pub fn clearance_mm(clearance_m: f64, limit_mm: u16) -> u16 {
     ((clearance_m * 1000.0 + ROUNDING_MM).clamp(0.0, f64::from(u16::MAX)) as u16).min(limit_mm)
-}
-
-impl WayOut {
-    /// True when there is one.
-    #[must_use]
-    pub fn is_open(&self) -> bool {
-        self.radius_m > 0.0
-    }
-
-    /// From a point in the map frame to the line. [m]
-    #[must_use]
-    pub fn distance_m(&self, at: Point2<f64>) -> f64 {
-        distance_m(&[self.from_m, self.until_m].map(Point2::from), at)
-    }
-
-    /// From a point in the map frame to its end. [m]
-    #[must_use]
-    pub fn left_m(&self, at: Point2<f64>) -> f64 {
-        (Point2::from(self.until_m) - at).norm()
-    }
-
-    fn check(&self) -> Result<(), Refusal> {
-        for value in self.from_m.into_iter().chain(self.until_m) {
-            number(value, -COORDINATE_M_MAX, COORDINATE_M_MAX, "way_out")?;
-        }
-        number(self.radius_m, 0.0, COORDINATE_M_MAX, "way_out.radius_m")
-    }
 }
 
 impl MapInfo {

@@ -31,7 +31,7 @@ impl ZoneSet {
             marks.fill(part, |mark| *mark = MARK_KEEPOUT);
             marks.close_edges(part);
         }
-        marks.marks
+        marks.values
     }
 }
 
@@ -56,7 +56,7 @@ fn whole(cells: f64) -> i32 {
 struct Marks<'a> {
     geometry: &'a GridGeometry,
     rect: &'a CellRect,
-    marks: Vec<u8>,
+    values: Vec<u8>,
 }
 
 impl<'a> Marks<'a> {
@@ -66,7 +66,7 @@ impl<'a> Marks<'a> {
         Self {
             geometry,
             rect,
-            marks: vec![mark; n],
+            values: vec![mark; n],
         }
     }
 
@@ -87,7 +87,7 @@ impl<'a> Marks<'a> {
         if first >= end || y < min.y || y >= max.y {
             return &mut [];
         }
-        self.marks
+        self.values
             .get_mut(index(first)..index(end))
             .unwrap_or_default()
     }
@@ -153,18 +153,9 @@ impl<'a> Marks<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::zones::{ZonePart, Zones};
-    use crate::{Cell, grid::GridGeometry};
-
-    fn set(parts: &[ZonePart]) -> ZoneSet {
-        let zones = Zones {
-            revision: 1,
-            n_parts: parts.len() as u64,
-            ..Zones::default()
-        };
-        zones.check(parts).unwrap();
-        ZoneSet::of(&zones, parts)
-    }
+    use crate::Cell;
+    use crate::zone_set::tests::{rect, set};
+    use crate::zones::ZonePart;
 
     fn grid() -> (GridGeometry, CellRect) {
         let geometry = GridGeometry {
@@ -225,10 +216,9 @@ mod tests {
 
     #[test]
     fn what_lies_on_the_lines_of_the_grid_closes_no_cell_beside_it() {
-        let (geometry, rect) = grid();
-        let square = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.0, 0.2]];
-        let zones = set(&[ZonePart::new("square", ZoneKind::Keepout, 0.0, &square)]);
-        let marks = zones.marks(&geometry, &rect);
+        let (geometry, whole) = grid();
+        let square = rect("square", ZoneKind::Keepout, 0.0, [0.0, 0.0, 0.2, 0.2]);
+        let marks = set(&[square]).marks(&geometry, &whole);
         let closed: Vec<_> = (0..70 * 60_usize)
             .filter(|n| marks[*n] != 0)
             .map(|n| (n % 70, n / 70))
@@ -239,15 +229,12 @@ mod tests {
 
     #[test]
     fn lanes_raise_the_cost_beside_them_and_costs_that_inside() {
-        let (geometry, rect) = grid();
-        let rect_of = |kind, value, [x0, y0, x1, y1]: [f64; 4]| {
-            ZonePart::new("it", kind, value, &[[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
-        };
+        let (geometry, whole) = grid();
         let zones = set(&[
-            rect_of(ZoneKind::Lane, 80.0, [0.0, 0.0, 5.5, 1.0]),
-            rect_of(ZoneKind::Cost, 200.0, [4.0, 0.0, 5.0, 3.0]),
+            rect("lane", ZoneKind::Lane, 80.0, [0.0, 0.0, 5.5, 1.0]),
+            rect("wet", ZoneKind::Cost, 200.0, [4.0, 0.0, 5.0, 3.0]),
         ]);
-        let marks = zones.marks(&geometry, &rect);
+        let marks = zones.marks(&geometry, &whole);
         let at = |x_m: f64, y_m: f64| {
             let cell = geometry.cell_at(Point2::new(x_m, y_m)).unwrap();
             marks[geometry.index_of(cell).unwrap()]

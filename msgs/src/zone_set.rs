@@ -196,13 +196,13 @@ impl ZoneSet {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::zone_shape::SEAM_M;
     use core::f64::consts::TAU;
     use nalgebra::Vector2;
 
-    fn set(parts: &[ZonePart]) -> ZoneSet {
+    pub(crate) fn set(parts: &[ZonePart]) -> ZoneSet {
         let zones = Zones {
             revision: 1,
             n_parts: parts.len() as u64,
@@ -212,7 +212,12 @@ mod tests {
         ZoneSet::of(&zones, parts)
     }
 
-    fn rect(name: &str, kind: ZoneKind, value: f64, [x0, y0, x1, y1]: [f64; 4]) -> ZonePart {
+    pub(crate) fn rect(
+        name: &str,
+        kind: ZoneKind,
+        value: f64,
+        [x0, y0, x1, y1]: [f64; 4],
+    ) -> ZonePart {
         ZonePart::new(name, kind, value, &[[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
     }
 

@@ -326,6 +326,7 @@ impl Stack {
     }
 
     /// True while a process says that the zones that hold have not come to it.
+    #[must_use]
     pub fn lacks_zones(&self) -> bool {
         let mut newest = self
             .taps

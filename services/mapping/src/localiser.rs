@@ -233,8 +233,7 @@ impl Localiser {
     }
 
     /// The robot is where a person says: `map_from_odom` from now on, given where odometry says the
-    /// robot is. It may
-    /// be off by as much as the largest standard deviations, so the next scans are laid on the map.
+    /// robot is. It may be off by as much as the largest standard deviations, so the next scans are laid on the map.
     pub fn relocate(&mut self, map_from_odom: Pose, odom_from_base: &Pose) {
         self.map_from_odom = map_from_odom;
         self.map_from_base = map_from_odom.then(odom_from_base);

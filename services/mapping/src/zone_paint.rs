@@ -4,7 +4,7 @@
 //! Nothing of this is belief: scans neither mark nor clear it, and localisation does not see it.
 
 use nalgebra::{Point2, Vector2};
-use zeronav_msgs::map::WayOut;
+use zeronav_msgs::way_out::WayOut;
 use zeronav_msgs::zone_marks::MARK_KEEPOUT;
 use zeronav_msgs::zones::ZoneKind;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, ZoneSet};
@@ -166,66 +166,26 @@ impl ZonePaint {
         (room_m, radius_m): (f64, f64),
         is_free: impl Fn(usize) -> bool,
     ) -> Option<WayOut> {
-        let index_at = |at: Point2<f64>| geometry.index_of(geometry.unbounded_cell_at(at));
-        let keeps_out =
-            |at: Point2<f64>| index_at(at).is_some_and(|index| self.mark_of(index) == MARK_KEEPOUT);
-        // What lies between the sides of a straight way: no obstacle, and no keepout zone.
-        let lines = |towards: Vector2<f64>, at: Point2<f64>| {
-            let aside = Vector2::new(-towards.y, towards.x) * (0.7 * room_m);
-            [at, at + aside, at - aside]
+        let straight = Straight {
+            paint: self,
+            geometry,
+            robot,
+            room_m,
+            is_free,
         };
-        let is_passable = |towards: Vector2<f64>, at: Point2<f64>| {
-            let mut lines = lines(towards, at).into_iter();
-            lines.all(|at| index_at(at).is_some_and(&is_free))
-        };
-        let is_out =
-            |towards: Vector2<f64>, at: Point2<f64>| !lines(towards, at).into_iter().any(keeps_out);
-        let step_m = 0.5 * geometry.resolution_m;
-        let on_way = (self.way_out).filter(|way| way.distance_m(robot) <= 0.5 * way.radius_m);
-        if on_way.is_some() && !self.is_near(geometry, robot, room_m) {
+        let is_on = |way: &WayOut| way.distance_m(robot) <= 0.5 * way.radius_m;
+        let open = self.way_out.filter(is_on);
+        let is_leaving = open.is_some() && self.is_near(geometry, robot, room_m);
+        if !is_leaving && (open.is_some() || !straight.keeps_out(robot)) {
             return None;
         }
-        if let Some(way) = on_way {
-            let left = Point2::from(way.until_m) - robot;
-            let left_m = left.norm();
-            let Some(towards) = left.try_normalize(step_m) else {
-                return Some(way);
-            };
-            let steps = core::iter::successors(Some(0.0), |at_m| Some(at_m + step_m));
-            let mut on_it = steps.take_while(|at_m| *at_m < left_m);
-            let is_free = on_it.all(|at_m| is_passable(towards, robot + towards * at_m));
-            if is_free && is_out(towards, way.until_m.into()) {
-                return Some(way);
-            }
-        }
-        if on_way.is_none() && !keeps_out(robot) {
-            return None;
-        }
-        let (width, height) = geometry.size();
-        let most_m = f64::from(width).hypot(f64::from(height)) * geometry.resolution_m;
-        let ways = (0..WAYS).filter_map(|n| {
-            let angle_rad = core::f64::consts::TAU * f64::from(n) / f64::from(WAYS);
-            let towards = Vector2::new(angle_rad.cos(), angle_rad.sin());
-            let (mut at_m, mut out_m) = (0.0, 0.0);
-            while out_m < room_m {
-                let at = robot + towards * at_m;
-                if !is_passable(towards, at) || at_m > most_m {
-                    return None;
-                }
-                out_m = if is_out(towards, at) {
-                    out_m + step_m
-                } else {
-                    0.0
-                };
-                at_m += step_m;
-            }
-            Some((at_m, robot + towards * at_m))
-        });
-        let shortest = ways.min_by(|one, other| one.0.total_cmp(&other.0));
-        shortest.map(|(_, until)| WayOut {
-            from_m: robot.into(),
-            until_m: until.into(),
-            radius_m,
+        open.filter(|way| straight.leads_out(way)).or_else(|| {
+            let until = straight.shortest()?;
+            Some(WayOut {
+                from_m: robot.into(),
+                until_m: until.into(),
+                radius_m,
+            })
         })
     }
 
@@ -241,5 +201,80 @@ impl ZonePaint {
                     && (geometry.centre_of(cell) - at).norm() <= reach_m
             })
         })
+    }
+}
+
+/// Straight ways of a robot with room beside it.
+struct Straight<'a, F> {
+    paint: &'a ZonePaint,
+    geometry: &'a GridGeometry,
+    robot: Point2<f64>,
+    room_m: f64,
+    /// True for the index of a cell without an obstacle.
+    is_free: F,
+}
+
+impl<F: Fn(usize) -> bool> Straight<'_, F> {
+    fn step_m(&self) -> f64 {
+        0.5 * self.geometry.resolution_m
+    }
+
+    fn index_at(&self, at: Point2<f64>) -> Option<usize> {
+        self.geometry.index_of(self.geometry.unbounded_cell_at(at))
+    }
+
+    fn keeps_out(&self, at: Point2<f64>) -> bool {
+        let index = self.index_at(at);
+        index.is_some_and(|index| self.paint.mark_of(index) == MARK_KEEPOUT)
+    }
+
+    /// So far along a way, and on either side of it.
+    fn across(&self, towards: Vector2<f64>, along_m: f64) -> [Point2<f64>; 3] {
+        let at = self.robot + towards * along_m;
+        let aside = Vector2::new(-towards.y, towards.x) * (0.7 * self.room_m);
+        [at, at + aside, at - aside]
+    }
+
+    fn is_passable(&self, towards: Vector2<f64>, along_m: f64) -> bool {
+        let mut across = self.across(towards, along_m).into_iter();
+        across.all(|at| self.index_at(at).is_some_and(&self.is_free))
+    }
+
+    fn is_out(&self, towards: Vector2<f64>, along_m: f64) -> bool {
+        let mut across = self.across(towards, along_m).into_iter();
+        !across.any(|at| self.keeps_out(at))
+    }
+
+    /// True when what is left of a way is free and ends outside.
+    fn leads_out(&self, way: &WayOut) -> bool {
+        let left = Point2::from(way.until_m) - self.robot;
+        let Some(towards) = left.try_normalize(self.step_m()) else {
+            return true;
+        };
+        let steps = core::iter::successors(Some(0.0), |along_m| Some(along_m + self.step_m()));
+        let mut steps = steps.take_while(|along_m| *along_m < left.norm());
+        steps.all(|along_m| self.is_passable(towards, along_m)) && self.is_out(towards, left.norm())
+    }
+
+    /// Where the shortest one ends that leads out.
+    fn shortest(&self) -> Option<Point2<f64>> {
+        let (width, height) = self.geometry.size();
+        let most_m = f64::from(width).hypot(f64::from(height)) * self.geometry.resolution_m;
+        let ways = (0..WAYS).filter_map(|n| {
+            let (sin, cos) = (core::f64::consts::TAU * f64::from(n) / f64::from(WAYS)).sin_cos();
+            let towards = Vector2::new(cos, sin);
+            let (mut along_m, mut out_m) = (0.0, 0.0);
+            while out_m < self.room_m {
+                if !self.is_passable(towards, along_m) || along_m > most_m {
+                    return None;
+                }
+                let is_out = self.is_out(towards, along_m);
+                out_m = if is_out { out_m + self.step_m() } else { 0.0 };
+                along_m += self.step_m();
+            }
+            Some((along_m, self.robot + towards * along_m))
+        });
+        let shortest = ways.min_by(|one, other| one.0.total_cmp(&other.0));
+        shortest.map(|(_, until)| until)
     }
 }

@@ -469,20 +469,18 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
             "{run:#}"
         );
     }
-    let ended = zeronav(&[
+    let none = [
         "suite",
         "kidnapped",
         "--data",
         &data,
         "--worlds",
         "9000..9001",
-    ]);
+    ];
+    let ended = zeronav(&none);
     assert_eq!(ended.code(), 2, "{}", ended.stderr);
-    assert!(
-        ended.stderr.contains("have the worlds 0..240"),
-        "{}",
-        ended.stderr
-    );
+    let said = &ended.stderr;
+    assert!(said.contains("have the worlds 0..240"), "{said}");
 }
 
 #[test]

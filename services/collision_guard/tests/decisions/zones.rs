@@ -8,9 +8,10 @@ use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, Limits, OdometryI
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
-use zeronav_msgs::map::{MapInfo, WayOut};
+use zeronav_msgs::map::MapInfo;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::scan::Scan;
+use zeronav_msgs::way_out::WayOut;
 use zeronav_msgs::zones::{ZoneKind, ZonePart, Zones};
 use zeronav_msgs::{Pose, ZoneSet};
 

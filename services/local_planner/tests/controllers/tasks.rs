@@ -149,17 +149,11 @@ fn a_robot_that_does_not_know_where_it_is_has_not_arrived() {
         };
         found_again.tick = bench.tick;
         found_again.step();
-        found_again.check(
-            TaskState::Reached,
-            EndReason::None,
-            &[(1, TaskState::Reached)],
-        );
+        let reached = [(1, TaskState::Reached)];
+        found_again.check(TaskState::Reached, EndReason::None, &reached);
         bench.steps(2 * 50);
-        bench.check(
-            TaskState::Failed,
-            EndReason::PoseUnknown,
-            &[(1, TaskState::Failed)],
-        );
+        let failed = [(1, TaskState::Failed)];
+        bench.check(TaskState::Failed, EndReason::PoseUnknown, &failed);
     }
 }
 
@@ -168,12 +162,11 @@ fn a_robot_that_does_not_know_where_it_is_has_not_arrived() {
 fn a_pose_that_means_nothing_is_no_progress() {
     let mut bench = Bench::with_goals(&[goal(1, 100.0)]);
     bench.certainty = PoseCertainty::Unknown;
-    let drive = |bench: &mut Bench, n: u32| {
-        for _ in 0..n {
-            bench.pose.x_m += 0.01;
-            bench.step();
-        }
+    let step = |bench: &mut Bench| {
+        bench.pose.x_m += 0.01;
+        bench.step();
     };
+    let drive = |bench: &mut Bench, n: u32| (0..n).for_each(|_| step(bench));
     drive(&mut bench, 29 * 50);
     bench.check(TaskState::Active, EndReason::None, &[]);
     // Who has found itself has all its time again.

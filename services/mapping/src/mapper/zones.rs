@@ -6,7 +6,7 @@ use crate::clearance::ClearanceField;
 use crate::rows_around::cell_at;
 use crate::zone_paint::cells_on;
 use nalgebra::Point2;
-use zeronav_msgs::map::WayOut;
+use zeronav_msgs::way_out::WayOut;
 use zeronav_msgs::{Cell, CellRect, ZoneSet};
 
 impl Mapper {

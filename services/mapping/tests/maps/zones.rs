@@ -228,11 +228,11 @@ fn a_robot_inside_is_let_out_on_the_shortest_way_that_no_wall_bars() {
         assert!(mapping.mapper().way_out().is_some(), "{x}");
     }
     drive_to(&mut mapping, &room, (76.5, 50.5), 10);
-    assert!(!mapping.mapper().way_out().is_some());
+    assert!(mapping.mapper().way_out().is_none());
     assert_eq!(cell(&mapping, 55.5, 50.5).cost, COST_LETHAL);
     // And it does not open for one that passes by.
     drive_to(&mut mapping, &room, (66.5, 50.5), 11);
-    assert!(!mapping.mapper().way_out().is_some());
+    assert!(mapping.mapper().way_out().is_none());
 }
 
 #[test]
