@@ -200,7 +200,7 @@ impl ZoneRules {
             measured,
             limits,
             reaction_s,
-            way_out: self.way_out.as_ref(),
+            out: self.way_out.as_ref(),
         };
         let reach_m = self.radius_m + way.reach_m(twist);
         way.near = self.set.keepouts_near(pose.point(), reach_m);
@@ -208,7 +208,7 @@ impl ZoneRules {
             self.gained = None;
             return held;
         }
-        let here = (way.is_inside(&pose)).then(|| Gained::at(&self.set, way.way_out, pose.point()));
+        let here = (way.is_inside(&pose)).then(|| Gained::at(&self.set, way.out, pose.point()));
         // It may not creep in: what counts is the best so far.
         self.gained = here.map(|here| self.gained.map_or(here, |best| best.or(here)));
         let floor = here
@@ -276,7 +276,7 @@ struct Way<'a> {
     measured: Twist,
     limits: &'a Limits,
     reaction_s: f64,
-    way_out: Option<&'a WayOut>,
+    out: Option<&'a WayOut>,
 }
 
 impl Way<'_> {
@@ -307,9 +307,9 @@ impl Way<'_> {
             return false;
         };
         let at = pose.point();
-        let here = Gained::at(self.zones, self.way_out, at);
+        let here = Gained::at(self.zones, self.out, at);
         let is_on_way = self
-            .way_out
+            .out
             .is_some_and(|way| way.distance_m(at) <= way.radius_m);
         let is_free = here.margin_m >= least.margin_m || is_on_way && here.left_m <= least.left_m;
         *least = least.or(here.with_noise(here));
