@@ -84,6 +84,8 @@ pub struct Mapping {
     checked: Option<Checked>,
     /// The map had explained what is seen by the last scan, or nothing was to be confirmed.
     is_confirmed: bool,
+    /// A configured `map_from_odom`, and for how many scans more it is laid on the map.
+    configured: Option<(Pose, u32)>,
     timer: StageTimer,
 }
 
@@ -123,8 +125,9 @@ impl Mapping {
         let mut localiser = Localiser::new(&config.pose_correction, fastest, map_from_odom);
         let room_m = description.inscribed_radius_m;
         let relocaliser = Relocaliser::of(config, static_map.is_some(), room_m)?;
-        if relocaliser.as_ref().is_some_and(Relocaliser::is_told) {
-            // Who configures a pose is no more exact than who gives one later.
+        let is_told = relocaliser.as_ref().is_some_and(Relocaliser::is_told);
+        if is_told {
+            // Nobody configures a pose to the centimetre.
             localiser.relocate(map_from_odom, &Pose::default());
         }
         if config.localisation.start == StartPose::Unknown {
@@ -149,6 +152,7 @@ impl Mapping {
             unchecked: None,
             checked: None,
             is_confirmed,
+            configured: is_told.then_some((map_from_odom, whereabouts::CONFIGURED_SCANS)),
             timer: StageTimer::default(),
             config: config.clone(),
         })
@@ -167,6 +171,7 @@ impl Mapping {
         self.cast(observation, None);
         let corrects = self.localiser.is_active(&observation.odometry_variance);
         let is_key = (corrects || self.localiser.watches()) && self.localise(observation);
+        self.hold_to_configuration(odom_from_base);
         self.last_ns = observation.run_ns;
         let map_from_base = self.localiser.map_from_base(odom_from_base);
         self.unchecked = Some(Unchecked {

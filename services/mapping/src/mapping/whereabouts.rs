@@ -5,6 +5,12 @@ use crate::relocaliser::{Relocaliser, Sight, Sought, Step};
 use zeronav_msgs::Pose;
 use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::map::{MapInfo, MapView};
+use zeronav_msgs::pose::wrap_angle;
+
+/// Scans that lay a configured pose on the map, and how far they may move it: what fits only farther away may be one of
+/// several places that do. [m, rad]
+pub(super) const CONFIGURED_SCANS: u32 = 20;
+const CONFIGURED_OFF: (f64, f64) = (0.3, 0.15);
 
 impl Mapping {
     /// Goes on from where another mapping has come to: its map, and how it is fixed to odometry. False
@@ -14,7 +20,7 @@ impl Mapping {
             return false;
         };
         self.mapper = mapper;
-        (self.unchecked, self.checked) = (None, None);
+        (self.unchecked, self.checked, self.configured) = (None, None, None);
         let can_search = self.relocaliser.is_some();
         self.localiser
             .resume(info.map_from_odom, info.covariance, can_search);
@@ -41,7 +47,7 @@ impl Mapping {
     ) {
         // Its key scan counts, whether it was looked at by now or not.
         self.check();
-        self.checked = None;
+        (self.checked, self.configured) = (None, None);
         self.localiser.relocate(map_from_odom, &next.odom_from_base);
         if let Some(relocaliser) = &mut self.relocaliser {
             match certainty {
@@ -91,6 +97,25 @@ impl Mapping {
         // What was seen meanwhile was seen from elsewhere.
         self.tracker.restart();
         self.mapper.forget_sensed();
+    }
+
+    /// A configured pose that scans would move far is wrong: the robot is looked for on the whole map.
+    pub(super) fn hold_to_configuration(&mut self, odom_from_base: &Pose) {
+        let left = self.configured.take();
+        let Some((map_from_odom, scans)) = left.filter(|(_, scans)| *scans > 0) else {
+            return;
+        };
+        let (told, now) = (
+            map_from_odom.then(odom_from_base),
+            self.localiser.map_from_base(odom_from_base),
+        );
+        let (most_m, most_rad) = CONFIGURED_OFF;
+        let turned_rad = wrap_angle(told.yaw_rad - now.yaw_rad).abs();
+        if told.distance_m(&now) > most_m || turned_rad > most_rad {
+            self.localiser.lose();
+        } else {
+            self.configured = Some((map_from_odom, scans - 1));
+        }
     }
 
     fn see_whether_confirmed(&mut self) {

@@ -125,6 +125,23 @@ fn a_configured_pose_that_is_a_little_off_is_corrected() {
     }
 }
 
+/// Half a metre off is no inaccuracy: another place may fit as well, so it is looked for everywhere.
+#[test]
+fn a_configured_pose_that_fits_only_elsewhere_is_looked_for() {
+    let hall = hall();
+    let truth = hall.pose(120.0, 70.0, 0.2);
+    for variance in [0.0, 1.0e-4] {
+        let told = Pose::new(truth.x_m + 0.4, truth.y_m - 0.35, truth.yaw_rad);
+        let mut robot = Robot::told(&hall, truth, told, 1);
+        robot.odometry_variance = [variance; 3];
+        assert!(robot.stand_until(25, Mapping::is_uncertain).is_some());
+        let knows = |mapping: &Mapping| !mapping.is_uncertain();
+        assert!(robot.stand_until(200, knows).is_some());
+        let (off_m, off_rad) = robot.off();
+        assert!(off_m < 0.05 && off_rad < 0.02, "{off_m} m, {off_rad} rad");
+    }
+}
+
 /// Who never counts as lost is believed.
 #[test]
 fn without_a_watch_there_is_nothing_to_confirm() {
