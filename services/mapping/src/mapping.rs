@@ -33,6 +33,9 @@ const TRAIL_MARGIN_CELLS: f64 = 2.0;
 /// Most beams that are asked in every scan whether odometry is right.
 const FEW: usize = 60;
 
+/// Scans that lay a configured pose on the map.
+const CONFIGURED_SCANS: u32 = 20;
+
 /// A scan with what is known about where it was taken.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation<'a> {
@@ -152,7 +155,7 @@ impl Mapping {
             unchecked: None,
             checked: None,
             is_confirmed,
-            configured: is_told.then_some((map_from_odom, whereabouts::CONFIGURED_SCANS)),
+            configured: is_told.then_some((map_from_odom, CONFIGURED_SCANS)),
             timer: StageTimer::default(),
             config: config.clone(),
         })

@@ -7,9 +7,7 @@ use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::map::{MapInfo, MapView};
 use zeronav_msgs::pose::wrap_angle;
 
-/// Scans that lay a configured pose on the map, and how far they may move it: what fits only farther away may be one of
-/// several places that do. [m, rad]
-pub(super) const CONFIGURED_SCANS: u32 = 20;
+/// How far scans may move a configured pose: what fits only farther away may be one of several places that do. [m, rad]
 const CONFIGURED_OFF: (f64, f64) = (0.3, 0.15);
 
 impl Mapping {
