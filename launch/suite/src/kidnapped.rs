@@ -1,6 +1,8 @@
-//! Robots that do not know where on a map they are: a third of them is told nothing and shall stay where it is, a third is
+//! Robots that do not know where on a map they are: a quarter of them is told nothing and shall stay where it is, a quarter is
 //! told that it is 2 m ahead and faces the other way, and is sent elsewhere. Each has to find itself, and to arrive. The
-//! last third is told the truth, to 1 cm, at the same places and sent to the same goals: none of them may take itself to be lost.
+//! third quarter is told the truth, to 1 cm, at the same places and sent to the same goals: none of them may take itself to be
+//! lost. The last one, at these places with these goals, too, is told nothing and may look around
+//! (`recovery.seek_pose`).
 
 use super::case::{Case, Manner, Rule, Sheet, Success};
 use super::data::{self, WorldFile};
@@ -17,21 +19,21 @@ use zeronav_world_files::map_file;
 
 /// Robots of each map and class, class by class.
 const OF_CLASS: u32 = 20;
-const EACH: u32 = 60;
+const EACH: u32 = 80;
 
 /// Least distance of a robot's centre from a wall. [m]
 const ROOM_M: f64 = 0.5;
 
 /// What a robot of a class is told, seen from where it is. One that is told nothing has a wrong pose, too: without it
 /// odometry, which begins at the true pose, would give that away.
-const TOLD: [Pose; 3] = [WRONG, WRONG, RIGHTLY];
+const TOLD: [Pose; 4] = [WRONG, WRONG, RIGHTLY, WRONG];
 const WRONG: Pose = Pose::new(2.0, 0.0, PI);
 
 /// The truth to 1 cm: exactly where odometry begins it would be told nothing.
 const RIGHTLY: Pose = Pose::new(0.01, 0.0, 0.0);
 
 /// Run time of a robot that is told nothing, and of those that drive. [s]
-const TIME_LIMIT_S: [f64; 3] = [10.0, 60.0, 60.0];
+const TIME_LIMIT_S: [f64; 4] = [10.0, 60.0, 60.0, 90.0];
 
 /// How near to its goal it must think itself to be. [m]
 const TOLERANCE_M: f64 = 0.25;
@@ -47,9 +49,10 @@ const OFF: (f64, f64) = (0.5, 0.3);
 const TRIES: usize = 100;
 
 /// What a robot is told.
-const CLASSES: [&str; 3] = ["told_nothing", "told_wrong", "told_right"];
+const CLASSES: [&str; 4] = ["told_nothing", "told_wrong", "told_right", "looks_around"];
 const NOTHING: usize = 0;
 const RIGHT: usize = 2;
+const LOOKS: usize = 3;
 
 /// Every robot of every map that is asked for, numbered by map and robot.
 ///
@@ -115,14 +118,15 @@ pub(super) fn cases(setup: &Setup<'_>, worlds: &[WorldFile]) -> Result<Vec<Case>
     Ok(cases)
 }
 
-/// The class of a world, and a number that worlds of `told_wrong` and `told_right` have in common.
+/// The class of a world, and a number that the worlds of those that drive have in common.
 fn class_of(world: &WorldFile) -> (usize, u32) {
     let (map, robot) = (world.number / EACH, world.number % EACH);
     let (class, n) = (robot / OF_CLASS, robot % OF_CLASS);
     let (class, drives) = match class {
         0 => (NOTHING, 0),
         1 => (1, 1),
-        _ => (RIGHT, 1),
+        2 => (RIGHT, 1),
+        _ => (LOOKS, 1),
     };
     (class, OF_CLASS * (2 * map + drives) + n)
 }
@@ -157,8 +161,9 @@ fn case(setup: &Setup<'_>, world: &WorldFile, [start, goal]: &[Pose; 2]) -> Resu
     let sheet = Sheet {
         name: world.name.clone(),
         title: format!(
-            "{}: a robot that is {}",
+            "{}: a robot that {}{}",
             world.name,
+            if class == LOOKS { "" } else { "is " },
             CLASSES[class].replace('_', " ")
         ),
         world: table,
@@ -192,22 +197,32 @@ fn case(setup: &Setup<'_>, world: &WorldFile, [start, goal]: &[Pose; 2]) -> Resu
     })
 }
 
-/// The services' configuration: what mapping is told of the pose. Odometry begins at the true one.
+/// The services' configuration: what mapping is told of the pose, and whether the robot may look around. Odometry begins at
+/// the true pose.
 fn told(start: &Pose, class: usize) -> Table {
-    let mut localisation = Table::new();
     let told = start.then(&TOLD[class]);
     let map_from_odom = Pose::from(told.isometry() * start.isometry().inverse());
-    if class == NOTHING {
-        localisation.insert("start".into(), "unknown".into());
+    let from_odom = super::case::numbers(map_from_odom);
+    let mut services = Table::new();
+    let mut set = |service: &str, group: &str, key: &str, value: Value| {
+        let mut at = &mut services;
+        for name in [service, "config", group] {
+            let inner = at.entry(name).or_insert_with(|| Table::new().into());
+            let Some(inner) = inner.as_table_mut() else {
+                return;
+            };
+            at = inner;
+        }
+        at.insert(key.into(), value);
+    };
+    set("mapping", "localisation", "map_from_odom", from_odom);
+    if [NOTHING, LOOKS].contains(&class) {
+        set("mapping", "localisation", "start", "unknown".into());
     }
-    localisation.insert("map_from_odom".into(), super::case::numbers(map_from_odom));
-    ["localisation", "config", "mapping"]
-        .into_iter()
-        .fold(localisation, |inner, name| {
-            let mut outer = Table::new();
-            outer.insert(name.into(), Value::Table(inner));
-            outer
-        })
+    if class == LOOKS {
+        set("local_planner", "recovery", "seek_pose", true.into());
+    }
+    services
 }
 
 #[cfg(test)]
@@ -225,19 +240,19 @@ mod tests {
 
     #[test]
     fn worlds_are_numbered_by_map_and_robot_and_drawn_from_their_number() {
-        let border = worlds(&plan(58..62)).unwrap();
+        let border = worlds(&plan(78..82)).unwrap();
         let names: Vec<&str> = border.iter().map(|world| world.name.as_str()).collect();
         let expected = [
-            "rooms_negative_58",
-            "rooms_negative_59",
+            "rooms_negative_78",
+            "rooms_negative_79",
             "rooms_p2_00",
             "rooms_p2_01",
         ];
         assert_eq!(names, expected);
-        assert!(worlds(&plan(240..250)).is_err());
+        assert!(worlds(&plan(320..330)).is_err());
         let map = map_file::load(&border[0].file).unwrap().map;
         let room = map.largest_room(ROOM_M);
-        let all = worlds(&plan(0..60)).unwrap();
+        let all = worlds(&plan(0..80)).unwrap();
         let drawn = |world: &WorldFile| super::drawn(world, &map, &room);
         for (n, world) in all.iter().enumerate() {
             let [start, goal] = drawn(world);
@@ -250,9 +265,11 @@ mod tests {
                 assert!(AWAY_M.contains(&away_m), "{}: {away_m} m", world.name);
             }
         }
-        // Told wrong and told right differ in nothing else.
-        for (wrong, right) in all[20..40].iter().zip(&all[40..]) {
-            assert_eq!(drawn(wrong), drawn(right));
+        // Those that drive differ in nothing else.
+        for n in 20..40 {
+            for other in [n + 20, n + 40] {
+                assert_eq!(drawn(&all[n]), drawn(&all[other]));
+            }
         }
         assert_ne!(drawn(&all[0]), drawn(&all[20]));
     }
@@ -260,11 +277,13 @@ mod tests {
     #[test]
     fn robots_are_told_the_truth_or_that_they_are_ahead_and_face_the_other_way() {
         let start = Pose::new(3.0, -2.0, 0.7);
-        for (class, off_m) in [2.0, 2.0, 0.01].into_iter().enumerate() {
+        for (class, off_m) in [2.0, 2.0, 0.01, 2.0].into_iter().enumerate() {
             let services = told(&start, class);
             let localisation = &services["mapping"]["config"]["localisation"];
             let start_is = localisation.get("start").and_then(Value::as_str);
-            assert_eq!(start_is, (class == 0).then_some("unknown"));
+            assert_eq!(start_is, (class % 3 == 0).then_some("unknown"));
+            let planner = services.get("local_planner").is_some();
+            assert_eq!(planner, class == 3);
             let number = |n: usize| localisation["map_from_odom"][n].as_float().unwrap();
             let map_from_odom = Pose::new(number(0), number(1), number(2));
             let believed = map_from_odom.then(&start);

@@ -173,6 +173,7 @@ impl LocalPlanner {
             turns: self.turns,
             certainty: inputs.certainty,
             given_up: matches!(self.behaviour(), Behaviour::GiveUp(_)),
+            seeks_pose: (self.seeker.as_ref()).is_some_and(|it| it.is_seeking(inputs.run_ns)),
             moves_at_goal: self
                 .task
                 .goal()

@@ -2,7 +2,8 @@
 //! and one of them alone what it sees next.
 //!
 //! As the recoveries of Nav2 would be called by hand after a global localisation, spin and then drive on heading: once around on the
-//! spot, then short ways, each towards where the scan leaves most room, straight on before back, and a pause after each.
+//! spot where the lidar does not see all around, then short ways, each towards where the scan leaves most room, straight on before back,
+//! and a pause after each.
 //! Nothing but the scan and odometry is used, and the robot stays where it is without room.
 
 use crate::inputs::Inputs;
@@ -17,8 +18,9 @@ use zeronav_msgs::description::Description;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::time::seconds;
 
-/// How long the robot stands before each motion, so that it is looked for with what it sees. [s]
-const PAUSE_S: f64 = 3.0;
+/// How long the robot stands before its first motion, so that it is looked for with what it sees, and before the others:
+/// it is looked for on the way, too. [s]
+const PAUSE_S: (f64, f64) = (3.0, 1.0);
 
 /// Fastest motion. [m/s, rad/s]
 const SLOW: (f64, f64) = (0.3, 1.0);
@@ -40,6 +42,12 @@ const ALIGNED_RAD: f64 = 0.05;
 
 /// Motions for one time of not knowing.
 const MOTIONS_MAX: u32 = 20;
+
+/// A scan that leaves out less than this sees all around. [rad]
+const UNSEEN_RAD: f64 = 0.1;
+
+/// It no longer seeks when it was not asked for so long. [ns]
+const ASKED_NS: u64 = 500_000_000;
 
 /// What the robot does.
 #[derive(Debug, Clone, Copy)]
@@ -74,9 +82,17 @@ struct Surroundings<'a> {
 pub(crate) struct PoseSeeker {
     motion: Option<Motion>,
     n_motions: u32,
+    /// Run time at which it was asked last while the robot does not know where it is. [ns]
+    asked_ns: Option<u64>,
 }
 
 impl PoseSeeker {
+    /// True while the robot does not know where it is and has motions left to find out: it is not stuck then.
+    pub(crate) fn is_seeking(&self, run_ns: u64) -> bool {
+        let asked = self.asked_ns.map(|at_ns| run_ns.saturating_sub(at_ns));
+        self.n_motions < MOTIONS_MAX && asked.is_some_and(|ago_ns| ago_ns < ASKED_NS)
+    }
+
     /// The next motion of a robot that does not know where it is, from what was requested last; `None` = it stands, or
     /// knows.
     pub(crate) fn decide(&mut self, inputs: &Inputs<'_>, last: Twist) -> Option<Decision> {
@@ -84,6 +100,7 @@ impl PoseSeeker {
             *self = Self::default();
             return None;
         }
+        self.asked_ns = Some(inputs.run_ns);
         let (robot, _) = inputs.robot?;
         let (twist, turns) = self.step(&Surroundings {
             run_ns: inputs.run_ns,
@@ -114,10 +131,12 @@ impl PoseSeeker {
         });
         if let Motion::Pause { since_ns } = *motion {
             let paused_s = seconds(at.run_ns.saturating_sub(since_ns));
-            if paused_s < PAUSE_S || self.n_motions >= MOTIONS_MAX {
+            let is_first = self.n_motions == 0;
+            let pause_s = if is_first { PAUSE_S.0 } else { PAUSE_S.1 };
+            if paused_s < pause_s || self.n_motions >= MOTIONS_MAX {
                 return None;
             }
-            let next = begin(self.n_motions == 0, at);
+            let next = begin(is_first, at);
             self.n_motions += 1;
             *motion = next.unwrap_or(Motion::Pause {
                 since_ns: at.run_ns,
@@ -161,10 +180,11 @@ impl PoseSeeker {
     }
 }
 
-/// The next motion: once around at first, then towards where there is most room.
+/// The next motion: once around at first, where that shows more, then towards where there is most room.
 fn begin(is_first: bool, at: &Surroundings<'_>) -> Option<Motion> {
     let yaw_rad = at.odom_from_base.yaw_rad;
-    if is_first && can_turn(at) {
+    let seen_rad = at.robot.angle_increment_rad.abs() * f64::from(at.robot.n_beams);
+    if is_first && seen_rad < TAU - UNSEEN_RAD && can_turn(at) {
         return Some(Motion::Turn {
             left_rad: TAU,
             yaw_rad,
@@ -231,12 +251,22 @@ mod tests {
             .collect()
     }
 
-    /// Lets a robot of 0.3 m among hits of the `odom` frame do as it likes for some seconds; its poses.
-    fn drive(hits: &[Point2<f64>], time_s: u32) -> Vec<Pose> {
-        let robot = Description {
+    /// A robot of 0.3 m with a lidar of so many beams, a degree apart.
+    fn robot(n_beams: u32) -> Description {
+        Description {
             circumscribed_radius_m: 0.3,
+            angle_increment_rad: 1.0_f64.to_radians(),
+            n_beams,
             ..crate::test_robot::robot()
-        };
+        }
+    }
+
+    /// Lets a robot that sees ahead among hits of the `odom` frame do as it likes for some seconds; its poses.
+    fn drive(hits: &[Point2<f64>], time_s: u32) -> Vec<Pose> {
+        drive_as(&robot(270), hits, time_s)
+    }
+
+    fn drive_as(robot: &Description, hits: &[Point2<f64>], time_s: u32) -> Vec<Pose> {
         let (mut seeker, mut last, mut pose) =
             (PoseSeeker::default(), Twist::REST, Pose::default());
         let mut poses = vec![pose];
@@ -246,7 +276,7 @@ mod tests {
             let at = Surroundings {
                 run_ns: tick * 20_000_000,
                 odom_from_base: pose,
-                robot: &robot,
+                robot,
                 points: &points,
                 last,
                 period_s: 0.02,
@@ -277,13 +307,21 @@ mod tests {
     fn it_stands_then_turns_once_around_then_drives_short_ways_where_there_is_room() {
         let poses = drive(&room(), 60);
         assert!(poses[..140].iter().all(|pose| *pose == Pose::default()));
-        let turned: f64 = (poses[..600].windows(2))
+        let turned: f64 = (poses[..520].windows(2))
             .map(|two| wrap_angle(two[1].yaw_rad - two[0].yaw_rad))
             .sum();
         assert!((TAU - 0.2..TAU + 0.2).contains(&turned), "{turned}");
-        assert!(poses[600].distance_m(&Pose::default()) < 1.0e-9);
+        assert!(poses[520].distance_m(&Pose::default()) < 1.0e-9);
         let farthest_m = poses.iter().map(|pose| pose.x_m).fold(0.0, f64::max);
         assert!((1.0..5.7).contains(&farthest_m), "{farthest_m} m");
+    }
+
+    #[test]
+    fn it_does_not_turn_around_for_a_lidar_that_sees_all_around() {
+        let poses = drive_as(&robot(360), &room(), 12);
+        let farthest_m = poses.iter().map(|pose| pose.x_m).fold(0.0, f64::max);
+        assert!(farthest_m > 1.0, "{farthest_m} m");
+        assert!(poses.iter().all(|pose| pose.yaw_rad.abs() < 0.5));
     }
 
     #[test]

@@ -30,7 +30,7 @@ parameters! {
         /// progress, once around.
         no_progress_s: f64 = 10.0, [0.1, 3600.0] "s";
         /// Run time without progress after which the task fails as stuck. Waiting for what blocks the
-        /// way does not count.
+        /// way does not count, nor do motions to find out where the robot is.
         stuck_s: f64 = 30.0, [0.1, 3600.0] "s";
         /// Run time that a goal which would end, as reached or failed, waits at most for what confirms where the robot
         /// was told to be. In sum, since the robot last came closer.
@@ -72,6 +72,8 @@ pub struct TaskInputs {
     pub turns: bool,
     /// Nothing more can be tried.
     pub given_up: bool,
+    /// It does not know where it is and moves to find out: no progress is to be expected.
+    pub seeks_pose: bool,
     /// Something that moves is near the current goal, which may be free again soon.
     pub moves_at_goal: bool,
 }
@@ -309,7 +311,7 @@ impl TaskMachine {
         } else {
             f64::INFINITY
         };
-        if self.wait.is_some() {
+        if self.wait.is_some() || inputs.seeks_pose {
             self.stall.hold(inputs.run_ns);
         }
         let Stalled {

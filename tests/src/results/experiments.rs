@@ -258,8 +258,9 @@ pub const EXPERIMENTS: &[Experiment] = &[
         note: Some(
             "Told wrong is 2 m ahead and turned by 180 degrees. A robot that is told nothing shall stay, and is found \
              when it says so, within 10 s; one that is told wrong, or right, shall drive elsewhere, within 60 s, and one that \
-             is told right is not found if it was lost once. Pose errors are those of then; wrong and certain: off by more \
-             than 0.5 m or 0.3 rad.",
+             is told right is not found if it was lost once. One that looks around is told nothing, makes small motions until \
+             it knows, and shall drive there, too, within 90 s. Pose errors are those of then; wrong and certain: off by \
+             more than 0.5 m or 0.3 rad.",
         ),
         make: kidnapped::make,
     },

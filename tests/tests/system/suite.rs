@@ -469,6 +469,12 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
             "{run:#}"
         );
     }
+    // Who may look around finds out which of the rooms it is.
+    let around = suite("61..63");
+    for run in around["runs"].as_array().expect("runs") {
+        assert_eq!(run["class"], "looks_around", "{run:#}");
+        assert_eq!(run["success"], true, "{run:#}");
+    }
     let none = [
         "suite",
         "kidnapped",
@@ -480,7 +486,7 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
     let ended = zeronav(&none);
     assert_eq!(ended.code(), 2, "{}", ended.stderr);
     let said = &ended.stderr;
-    assert!(said.contains("have the worlds 0..240"), "{said}");
+    assert!(said.contains("have the worlds 0..320"), "{said}");
 }
 
 #[test]

@@ -44,6 +44,7 @@ fn task(kind: TaskKind, n_goals: u32, from_tick: u64) -> Task {
 
 /// A machine and its time.
 #[derive(Clone)]
+#[allow(clippy::struct_excessive_bools, reason = "independent observations")]
 pub(crate) struct Bench {
     pub(crate) machine: TaskMachine,
     pub(crate) tick: u64,
@@ -54,6 +55,7 @@ pub(crate) struct Bench {
     pub(crate) moves_at_goal: bool,
     pub(crate) turns: bool,
     pub(crate) given_up: bool,
+    pub(crate) seeks_pose: bool,
     pub(crate) certainty: PoseCertainty,
 }
 
@@ -72,6 +74,7 @@ impl Bench {
             moves_at_goal: false,
             turns: false,
             given_up: false,
+            seeks_pose: false,
             certainty: PoseCertainty::Confirmed,
         }
     }
@@ -87,6 +90,7 @@ impl Bench {
             turns: self.turns,
             certainty: self.certainty,
             given_up: self.given_up,
+            seeks_pose: self.seeks_pose,
             moves_at_goal: self.moves_at_goal,
         };
         self.machine.step(&inputs)
@@ -397,6 +401,7 @@ fn without_a_pose_nothing_is_judged() {
             turns: false,
             certainty: PoseCertainty::Confirmed,
             given_up: false,
+            seeks_pose: false,
             moves_at_goal: false,
         });
     }
@@ -405,25 +410,14 @@ fn without_a_pose_nothing_is_judged() {
 
 #[test]
 fn a_task_that_was_given_up_fails_as_stuck() {
-    let mut machine = TaskMachine::new(TaskConfig::default());
-    machine.accept(7, &task(TaskKind::Go, 1, 0), &[goal(1, 5.0)]);
-    let inputs = |tick: u64, given_up| TaskInputs {
-        tick,
-        run_ns: tick * PERIOD_NS,
-        robot: Some((Pose::default(), Twist::REST)),
-        path: planned(PathStatus::Found, 1),
-        remaining: Some((5.0, 1)),
-        turns: false,
-        certainty: PoseCertainty::Confirmed,
-        given_up,
-        moves_at_goal: false,
-    };
-    machine.step(&inputs(1, false));
-    machine.step(&inputs(2, false));
-    assert_eq!(machine.state(), TaskState::Active);
-    let step = machine.step(&inputs(3, true));
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    (bench.path, bench.remaining) = (planned(PathStatus::Found, 1), Some((5.0, 1)));
+    assert_eq!(bench.steps(2), 1);
+    assert_eq!(bench.machine.state(), TaskState::Active);
+    bench.given_up = true;
+    let step = bench.step();
     assert!(step.changed && step.stuck);
-    assert_eq!(machine.status().0.reason(), Some(EndReason::Stuck));
+    assert_eq!(bench.machine.status().0.reason(), Some(EndReason::Stuck));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::tasks::{Bench, blocked, goal, planned};
 use zeronav_local_planner::task::TaskConfig;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::PathStatus;
 use zeronav_msgs::task::{EndReason, TaskState};
@@ -140,4 +141,21 @@ fn a_slow_turn_is_progress_and_turning_for_ever_is_not() {
     assert!((107.0..110.0).contains(&turned_s), "{turned_s}");
     let reason = bench.machine.status().0.reason();
     assert_eq!(reason, Some(EndReason::Stuck));
+}
+
+/// 20 s of `stuck_s` go by before it, 10 s after it.
+#[test]
+fn a_robot_that_looks_for_its_pose_is_not_stuck_by_that() {
+    let mut bench = Bench::with_goals(&[goal(1, 5.0)]);
+    bench.certainty = PoseCertainty::Unknown;
+    bench.steps(20 * 50);
+    bench.seeks_pose = true;
+    assert_eq!(bench.steps(100 * 50), 0);
+    bench.seeks_pose = false;
+    assert_eq!(bench.steps(9 * 50), 0);
+    assert_eq!(bench.steps(2 * 50), 1);
+    assert_eq!(
+        bench.machine.status().0.reason(),
+        Some(EndReason::PoseUnknown)
+    );
 }

@@ -102,6 +102,8 @@ fn ray_drives_a_shard_again_whose_worker_was_killed() {
         .args(["--", "scenarios", "--seeds", "4"])
         .current_dir(whole.folder.path())
         .env("PATH", path())
+        // As outside of a test: under cargo its workers would build the workspace first.
+        .env_remove("CARGO")
         // Busy machines start slowly, and have little memory for a while.
         .envs([
             ("RAY_worker_register_timeout_seconds", "600"),
