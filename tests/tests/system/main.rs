@@ -24,6 +24,7 @@ mod goals;
 mod hosts;
 mod house;
 mod injection;
+mod kidnapped;
 mod late_readers;
 mod late_robots;
 mod latency;

@@ -435,61 +435,6 @@ fn generated_suite_needs_no_data_and_has_a_row_per_class() {
 }
 
 #[test]
-fn robots_that_do_not_know_where_they_are_find_themselves() {
-    let data = shipped_data("").display().to_string();
-    let suite = |worlds: &str| {
-        let arguments = ["suite", "kidnapped", "--data", &data, "--worlds", worlds];
-        zeronav(&[&arguments[..], &["--json"]].concat()).expect(0)
-    };
-    let report = suite("17..27");
-    let runs = report["runs"].as_array().expect("runs");
-    // The rooms are alike in places: who stands there cannot know which of them it is.
-    let told_nothing = runs.iter().filter(|run| run["class"] == "told_nothing");
-    for run in told_nothing {
-        assert_eq!(run["wrong_arrival"], false, "{run:#}");
-    }
-    for class in ["told_nothing", "told_wrong"] {
-        let found = |run: &&Value| run["class"] == class && run["success"] == true;
-        assert!(runs.iter().any(|run| found(&run)), "{class}: {report:#}");
-    }
-    for run in runs.iter().filter(|run| run["success"] == true) {
-        let below = |key: &str, most: f64| run[key].as_f64().is_some_and(|value| value < most);
-        assert!(below("pose_error_m", 0.1), "{run:#}");
-        assert!(below("pose_error_rad", 3.0_f64.to_radians()), "{run:#}");
-    }
-    // Who is told the truth doubts it at first, and neither loses it nor fails by that.
-    let right = suite("40..42");
-    let right = right["runs"].as_array().expect("runs");
-    assert_eq!(right.len(), 2);
-    for run in right {
-        assert_eq!(run["class"], "told_right", "{run:#}");
-        assert_eq!(
-            (&run["success"], &run["lost"]),
-            (&true.into(), &0.into()),
-            "{run:#}"
-        );
-    }
-    // Who may look around finds out which of the rooms it is.
-    let around = suite("61..63");
-    for run in around["runs"].as_array().expect("runs") {
-        assert_eq!(run["class"], "looks_around", "{run:#}");
-        assert_eq!(run["success"], true, "{run:#}");
-    }
-    let none = [
-        "suite",
-        "kidnapped",
-        "--data",
-        &data,
-        "--worlds",
-        "9000..9001",
-    ];
-    let ended = zeronav(&none);
-    assert_eq!(ended.code(), 2, "{}", ended.stderr);
-    let said = &ended.stderr;
-    assert!(said.contains("have the worlds 0..320"), "{said}");
-}
-
-#[test]
 fn field_suite_has_a_row_per_kind_and_says_where_there_is_a_way() {
     let arguments = ["suite", "field", "--worlds", "0..12", "--json"];
     let report = zeronav(&arguments).expect(0);
