@@ -157,6 +157,7 @@ impl Collector {
         if scan != 0 && view.meta.is_last_part() {
             self.located = Some((view.header.tick, view.meta.map_from_odom));
             self.certainty = view.meta.certainty();
+            self.film.certainty(view.header.run_ns, self.certainty);
             let fact = Fact::Placed(scan, view.meta.map_from_odom, self.certainty);
             (self.totals).hear(view.header.tick, view.header.run_ns, fact);
         }

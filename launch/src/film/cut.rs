@@ -85,6 +85,7 @@ impl Film {
         let mut goals = Rest::of(&self.goals);
         let mut zones = Rest::of(&self.zones);
         let mut tasks = Rest::of(&self.tasks);
+        let mut certainties = Rest::of(&self.certainties);
         let mut maps = Rest::of(&self.maps);
         let mut frames = Vec::new();
         for (at, moving) in poses.iter().filter(|(at, _)| shown(at)) {
@@ -102,6 +103,7 @@ impl Film {
                 goals: goals.newest(at),
                 zones: zones.newest(at),
                 task: tasks.newest(at),
+                certainty: certainties.newest(at),
                 control: controls.newest(at),
                 map: patch(maps.until(at)),
                 events: Vec::new(),

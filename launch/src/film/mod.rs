@@ -20,6 +20,7 @@ use samples::{Moving, Patch, Planned, beams_kept};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use thinned::Thinned;
 use zeronav_msgs::Pose;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::command::{Intervention, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::map::MapTile;
@@ -80,6 +81,7 @@ pub(crate) struct Film {
     goals: Thinned<Vec<SceneGoal>>,
     zones: Thinned<Vec<SceneZone>>,
     tasks: Thinned<&'static str>,
+    certainties: Thinned<&'static str>,
     interventions: Vec<(u64, Intervention)>,
     interventions_left_out: u64,
     /// Why the guard steps in at the moment.
@@ -112,6 +114,7 @@ impl Default for Film {
             goals: Thinned::new(0, TASK_BYTES),
             zones: Thinned::new(0, ZONES_BYTES),
             tasks: Thinned::new(0, TASK_BYTES),
+            certainties: Thinned::new(0, TASK_BYTES),
             interventions: Vec::new(),
             interventions_left_out: 0,
             stepping_in: None,
@@ -287,6 +290,14 @@ impl Film {
             self.tasks.push(run_ns, state.label());
         }
         self.push_goals(run_ns, reached);
+    }
+
+    /// How far the robot knows where it is.
+    pub(crate) fn certainty(&mut self, run_ns: u64, certainty: PoseCertainty) {
+        let newest = self.certainties.samples().last();
+        if newest.is_none_or(|(_, before)| *before != certainty.label()) {
+            self.certainties.push(run_ns, certainty.label());
+        }
     }
 
     fn push_goals(&mut self, run_ns: u64, reached: &BTreeSet<u64>) {

@@ -1,5 +1,6 @@
 use super::*;
 use serde_json::Value;
+use zeronav_msgs::certainty::PoseCertainty::{Confirmed, Unknown};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{FLAG_SENSED, MapCell, MapInfo};
 use zeronav_msgs::path::PathStatus;
@@ -106,6 +107,8 @@ pub(crate) fn busy_drive(duration_s: u64) -> Film {
                 ..Obstacle::default()
             };
             film.tracked(run_ns, &[obstacle; 8]);
+            let is_lost = (tick / 50).is_multiple_of(2);
+            film.certainty(run_ns, [Confirmed, Unknown][usize::from(is_lost)]);
             let at = [noise.next() % SIDE, noise.next() % SIDE];
             let tiles = [tile(at[0], at[1], &mut noise)];
             revision += 1;
@@ -163,6 +166,7 @@ fn the_film_of_an_hour_keeps_its_budget_and_shows_all_of_it() {
         "map",
         "control",
         "truth",
+        "certainty",
     ] {
         let times: Vec<f64> = frames
             .iter()
@@ -193,6 +197,13 @@ fn a_short_film_is_whole_and_ends_with_the_run() {
     assert_eq!(frames.len(), 101, "ten a second, to the end");
     let n = |key: &str| frames.iter().filter(|frame| !frame[key].is_null()).count();
     assert_eq!((n("truth"), n("control"), n("scan")), (101, 101, 51));
+    // It is lost and found in turns, a second each.
+    let certainty = frames
+        .iter()
+        .filter_map(|frame| frame["certainty"].as_str());
+    let certainty: Vec<&str> = certainty.collect();
+    assert_eq!(certainty[..3], ["unknown", "confirmed", "unknown"]);
+    assert_eq!(certainty.len(), 11);
     assert_eq!(frames[0]["goals"].as_array().map(Vec::len), Some(1));
     let grid = &frames[0]["map"]["grid"];
     assert_eq!(

@@ -93,6 +93,10 @@
     // The last event of a goal says why, too.
     const is_told = last_goal.startsWith(state.task);
     if (state.task) pill(task, is_told ? last_goal : state.task, kinds[state.task] || "");
+    const certainty = by("certainty");
+    const is_unsure = { unknown: "bad", unconfirmed: "warn" }[state.certainty];
+    certainty.hidden = !is_unsure;
+    if (is_unsure) pill(certainty, `pose ${state.certainty}`, is_unsure);
     animate();
   }
 

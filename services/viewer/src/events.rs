@@ -2,6 +2,7 @@
 
 use crate::scene::{Event, Rounded};
 use std::collections::BTreeMap;
+use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::command::Intervention;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::path::{Path, PathCause, PathStatus};
@@ -34,6 +35,7 @@ pub(crate) struct Events {
     seats: BTreeMap<u16, Seat>,
     paused: Option<bool>,
     silent: BTreeMap<u16, bool>,
+    certainty: Option<PoseCertainty>,
 }
 
 impl Events {
@@ -195,6 +197,20 @@ impl Events {
         }
     }
 
+    /// How far the robot knows where it is.
+    pub(crate) fn certainty(&mut self, certainty: PoseCertainty) {
+        let before = self.certainty.replace(certainty);
+        if before.unwrap_or(PoseCertainty::Confirmed) == certainty {
+            return;
+        }
+        let text = match certainty {
+            PoseCertainty::Unknown => "the robot does not know where it is",
+            PoseCertainty::Unconfirmed => "where the robot was told to be is not confirmed",
+            PoseCertainty::Confirmed => "the robot knows where it is",
+        };
+        self.tell("pose", text.to_owned());
+    }
+
     /// Whether a seat beats its heart.
     pub(crate) fn heart(&mut self, role: Role, silent: bool) {
         let before = self.silent.insert(role.code(), silent);
@@ -280,6 +296,24 @@ mod tests {
             words,
             ["to 0.00, 0.00", "reached", "to 0.00, 0.00", "cancelled"]
         );
+    }
+
+    #[test]
+    fn a_robot_that_is_lost_and_found_is_told_and_one_that_never_was_is_not() {
+        use PoseCertainty::{Confirmed, Unconfirmed, Unknown};
+        let mut events = Events::default();
+        events.certainty(Confirmed);
+        assert!(events.take().is_empty());
+        for certainty in [Unknown, Unknown, Confirmed, Confirmed, Unconfirmed] {
+            events.certainty(certainty);
+        }
+        let said: Vec<String> = texts(&mut events).into_iter().map(|it| it.1).collect();
+        let expected = [
+            "the robot does not know where it is",
+            "the robot knows where it is",
+            "where the robot was told to be is not confirmed",
+        ];
+        assert_eq!(said, expected);
     }
 
     #[test]

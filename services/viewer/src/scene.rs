@@ -105,6 +105,9 @@ pub struct Frame {
     /// State of the task.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task: Option<&'static str>,
+    /// How far the robot knows where it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certainty: Option<&'static str>,
     /// What was asked for and what the wheels get.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub control: Option<Control>,

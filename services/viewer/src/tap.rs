@@ -198,6 +198,9 @@ impl Tap {
         events.seats(&roster.seats, roster.control.paused == 1);
         changed.scan |= ports.scan.poll(roster);
         ports.map.take_in(roster);
+        if ports.map.view().is_some() {
+            events.certainty(ports.map.info().certainty());
+        }
         changed.obstacles |= ports.obstacles.poll(roster);
         changed.goals |= ports.goals.poll(roster);
         if let Some(task) = ports.goals.get() {
@@ -383,6 +386,7 @@ impl Tap {
             goals: changed.goals.then(|| self.goals()),
             zones: zones.map(|all| all.items.iter().map(SceneZone::of).collect()),
             task: task.map(|task| task.meta.state().map_or("unknown", TaskState::label)),
+            certainty: (ports.map.view()).map(|_| ports.map.info().certainty().label()),
             control: control.flatten(),
             map: None,
             events: Vec::new(),
