@@ -1,5 +1,6 @@
 //! `zeronav suite kidnapped`: robots that do not know where on a map they are.
 
+use serde_json::Value;
 use zeronav_tests::data::shipped_data;
 use zeronav_tests::zeronav;
 
