@@ -7,8 +7,8 @@ use zeronav_tests::zeronav;
 #[test]
 fn robots_that_do_not_know_where_they_are_find_themselves() {
     let data = shipped_data("").display().to_string();
-    let arguments = |worlds| {
-        [
+    let drive = |worlds: &str| {
+        zeronav(&[
             "suite",
             "kidnapped",
             "--data",
@@ -16,9 +16,9 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
             "--worlds",
             worlds,
             "--json",
-        ]
+        ])
     };
-    let suite = |worlds: &str| zeronav(&arguments(worlds)).expect(0);
+    let suite = |worlds: &str| drive(worlds).expect(0);
     let report = suite("17..27");
     let runs = report["runs"].as_array().expect("runs");
     // The rooms are alike in places: who stands there cannot know which of them it is.
@@ -53,7 +53,7 @@ fn robots_that_do_not_know_where_they_are_find_themselves() {
         assert_eq!(run["class"], "looks_around", "{run:#}");
         assert_eq!(run["success"], true, "{run:#}");
     }
-    let ended = zeronav(&arguments("9000..9001"));
+    let ended = drive("9000..9001");
     assert_eq!(ended.code(), 2, "{}", ended.stderr);
     let said = &ended.stderr;
     assert!(said.contains("have the worlds 0..320"), "{said}");
