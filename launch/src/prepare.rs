@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::Duration;
+use zeronav_casts::Cast;
 use zeronav_console::artifacts;
 use zeronav_files::Folder;
 use zeronav_msgs::role::Role;
@@ -115,13 +116,8 @@ impl Prepared {
 
     /// Time from scan to scan. [ns]
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "at least a tick, as the scenario's check has made sure"
-    )]
     pub fn scan_period_ns(&self) -> u64 {
-        (1.0e9 / self.scenario.robot.lidar.rate_hz).round() as u64
+        (1.0e9 / self.scenario.robot.lidar.rate_hz).round().to_u64()
     }
 }
 

@@ -7,6 +7,7 @@ use crate::prepare::Prepared;
 use crate::show::recording::{RecordedObstacle, RecordedPath, Recording};
 use crate::subject::Subject;
 use std::path::Path;
+use zeronav_casts::Cast;
 use zeronav_measure::DEADLINE_NS;
 use zeronav_measure::result::RunResult;
 use zeronav_measure::timings::{Drive, Gathering, Timings};
@@ -211,7 +212,6 @@ fn obstacles(subject: &Subject<'_>) -> Vec<RecordedObstacle> {
 }
 
 /// Occupied cells as rectangles: runs of a row, joined with equal runs of the rows below.
-#[allow(clippy::cast_precision_loss, reason = "columns and rows of a map")]
 fn rectangles(map: &StaticMap) -> Vec<[f64; 4]> {
     let (width, resolution_m) = (map.geometry.width as usize, map.geometry.resolution_m);
     // First column, cells, first row, rows.
@@ -237,10 +237,10 @@ fn rectangles(map: &StaticMap) -> Vec<[f64; 4]> {
     }
     let metres = |[column, cells, row, rows]: [usize; 4]| {
         [
-            map.geometry.origin_x_m + column as f64 * resolution_m,
-            map.geometry.origin_y_m + row as f64 * resolution_m,
-            cells as f64 * resolution_m,
-            rows as f64 * resolution_m,
+            map.geometry.origin_x_m + column.to_f64() * resolution_m,
+            map.geometry.origin_y_m + row.to_f64() * resolution_m,
+            cells.to_f64() * resolution_m,
+            rows.to_f64() * resolution_m,
         ]
         .map(thousandths)
     };

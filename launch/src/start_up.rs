@@ -5,6 +5,7 @@ use core::fmt::Write;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_casts::Cast;
 use zeronav_console::terminal::{say, say_json, usage};
 use zeronav_measure::result::RunResult;
 use zeronav_measure::result::start_up::{Stage, StartUp};
@@ -115,16 +116,10 @@ fn to_text(run: &Path, start_up: &StartUp) -> String {
 }
 
 /// A line with a bar from the beginning to the end of a stage.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "places in a line"
-)]
 fn write_stage(stage: &Stage, end_ms: f64, text: &mut String) {
     let place = |at_ms: f64| {
         let share = if end_ms > 0.0 { at_ms / end_ms } else { 0.0 };
-        (share.clamp(0.0, 1.0) * BAR as f64).round() as usize
+        (share.clamp(0.0, 1.0) * BAR.to_f64()).round().to_usize()
     };
     let (from, to) = (place(stage.from_ms), place(stage.to_ms));
     let bar = "#".repeat(to.saturating_sub(from).max(1));

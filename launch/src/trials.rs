@@ -8,6 +8,7 @@ use crate::run_plan::TRIAL_ROUNDS;
 use crate::trial_runner::{Quota, Trial};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use zeronav_casts::Cast;
 use zeronav_measure::DEADLINE_NS;
 use zeronav_measure::Event;
 use zeronav_measure::distribution::to_us;
@@ -27,8 +28,7 @@ const TRIAL_S: f64 = 1.2;
 /// About how long so many trials take, in words: "usually about 4 min".
 #[must_use]
 pub(crate) fn usual_time(trials: u64) -> String {
-    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
-    let minutes = trials as f64 * TRIAL_S / 60.0;
+    let minutes = trials.to_f64() * TRIAL_S / 60.0;
     format!("usually about {:.0} min", minutes.max(1.0))
 }
 

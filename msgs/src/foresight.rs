@@ -5,6 +5,7 @@ use crate::message;
 use crate::message::{COORDINATE_M_MAX, Refusal, SPEED_MAX, ZeroCopySend, ensure, number};
 use crate::obstacles::{OBSTACLE_RADIUS_M_MAX, OBSTACLES_MAX};
 use crate::pose::Pose;
+use zeronav_casts::Cast;
 
 /// Bit of [`RunClock::foresight`](crate::run::RunClock::foresight): mapping follows what the simulator
 /// says instead of what it tracks.
@@ -86,12 +87,6 @@ impl Foreseen {
     /// Between two places it moves straight, unless they are so far apart that it jumps; beyond the
     /// last one it goes on as it went. [m]
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a few dozen steps"
-    )]
     pub fn at(&self, after_s: f64) -> Option<[f64; 2]> {
         /// Way of a step that is no motion. [m]
         const JUMP_M: f64 = 1.0;
@@ -99,8 +94,8 @@ impl Foreseen {
             return None;
         }
         let steps = after_s / FORESEEN_STEP_S;
-        let from = (steps.max(0.0) as usize).min(FORESEEN_STEPS - 2);
-        let share = steps - from as f64;
+        let from = steps.max(0.0).to_usize().min(FORESEEN_STEPS - 2);
+        let share = steps - from.to_f64();
         let (x, y) = (self.x_m[from], self.y_m[from]);
         let (dx, dy) = (self.x_m[from + 1] - x, self.y_m[from + 1] - y);
         if dx.hypot(dy) > JUMP_M {

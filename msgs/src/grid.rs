@@ -3,6 +3,7 @@
 use crate::message;
 use crate::message::{COORDINATE_M_MAX, Refusal, ZeroCopySend, ensure, number};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 
 /// Smallest and largest side of a cell. [m]
 pub const RESOLUTION_M: [f64; 2] = [1.0e-3, 10.0];
@@ -117,17 +118,13 @@ impl GridGeometry {
 
     /// Like [`Self::cell_at`], also for points beside the map; saturates far away.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "float to int saturates, and far outside is all that is asked"
-    )]
     pub fn unbounded_cell_at(&self, point_in_map: Point2<f64>) -> Cell {
         let x = ((point_in_map.x - self.origin_x_m) / self.resolution_m).floor();
         let y = ((point_in_map.y - self.origin_y_m) / self.resolution_m).floor();
         if x.is_nan() || y.is_nan() {
             return Cell::new(i32::MIN, i32::MIN);
         }
-        Cell::new(x as i32, y as i32)
+        Cell::new(x.to_i32(), y.to_i32())
     }
 
     /// Centre of `cell` in the map frame. [m]

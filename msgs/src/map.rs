@@ -5,6 +5,7 @@ use crate::message::{Refusal, ZeroCopySend, ensure, number};
 use crate::pose::Pose;
 use crate::way_out::WayOut;
 use crate::{codes, message};
+use zeronav_casts::Cast;
 
 /// Side of a tile. [cells]
 pub const TILE_CELLS: usize = 32;
@@ -250,12 +251,7 @@ impl MapTile {
             };
             let last = old.iter().zip(new).rposition(is_other).unwrap_or(first);
             old[first..=last].copy_from_slice(&new[first..=last]);
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_possible_wrap,
-                reason = "a tile is 32 cells wide"
-            )]
-            let (min_x, max_x) = (rect.min.x + first as i32, rect.min.x + last as i32 + 1);
+            let (min_x, max_x) = (rect.min.x + first.to_i32(), rect.min.x + last.to_i32() + 1);
             let so_far = changed.get_or_insert(CellRect {
                 min: Cell::new(min_x, y),
                 max: Cell::new(max_x, y),
@@ -280,11 +276,6 @@ impl CostModel {
     /// Nav2 measures from the obstacle's centre, we from its edge, so that costs reach half a cell
     /// further.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "costs are 0 to 252"
-    )]
     pub fn cost(&self, clearance_m: f64) -> u8 {
         let beyond_m = clearance_m - self.inscribed_radius_m;
         let spare_m = beyond_m - self.padding_m;
@@ -294,7 +285,7 @@ impl CostModel {
             COST_INSCRIBED
         } else if clearance_m * 1000.0 <= self.inflation_radius_m * 1000.0 + ROUNDING_MM {
             let fall = (-self.scaling_per_m * spare_m).exp();
-            (f64::from(COST_CIRCUMSCRIBED_MAX) * fall) as u8
+            (f64::from(COST_CIRCUMSCRIBED_MAX) * fall).to_u8()
         } else {
             COST_FREE
         }
@@ -310,13 +301,11 @@ impl CostModel {
 
 /// A clearance as a cell holds it: rounded down, at most `limit_mm`. [mm]
 #[must_use]
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to 16 bits"
-)]
 pub fn clearance_mm(clearance_m: f64, limit_mm: u16) -> u16 {
-    ((clearance_m * 1000.0 + ROUNDING_MM).clamp(0.0, f64::from(u16::MAX)) as u16).min(limit_mm)
+    (clearance_m * 1000.0 + ROUNDING_MM)
+        .clamp(0.0, f64::from(u16::MAX))
+        .to_u16()
+        .min(limit_mm)
 }
 
 impl MapInfo {
@@ -394,21 +383,17 @@ impl MapView<'_> {
     /// It fits where it is, so it fits where there is as much room; half a cell's diagonal less counts as
     /// much, because the robot is anywhere in its cell.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "not more than a number of 16 bits, and not negative"
-    )]
     pub fn least_clearance_mm(&self, start: MapCell) -> u16 {
         let half_diagonal_m = self.geometry.resolution_m * core::f64::consts::FRAC_1_SQRT_2;
-        (f64::from(start.clearance_mm) - 1000.0 * half_diagonal_m).max(0.0) as u16
+        (f64::from(start.clearance_mm) - 1000.0 * half_diagonal_m)
+            .max(0.0)
+            .to_u16()
     }
 
     /// Where the obstacle comes from that blocks `cell`: the nearest one, no farther than the cell's
     /// clearance says, of two equally near the one in the lower row, then column. An unknown cell that
     /// no obstacle blocks is its own reason.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, reason = "clamped")]
     pub fn source_at(&self, cell: Cell) -> ObstacleSource {
         let Some(own) = self.get(cell) else {
             return ObstacleSource::None;
@@ -418,7 +403,7 @@ impl MapView<'_> {
         }
         // Clearance is to the edge of the obstacle's cell.
         let clearance_cells = (own.clearance_m() / self.geometry.resolution_m).floor();
-        let reach = clearance_cells.clamp(0.0, SOURCE_CELLS_MAX) as i32 + 1;
+        let reach = clearance_cells.clamp(0.0, SOURCE_CELLS_MAX).to_i32() + 1;
         let mut nearest: Option<(i32, MapCell)> = None;
         for y in -reach..=reach {
             for x in -reach..=reach {

@@ -3,6 +3,7 @@
 use crate::message;
 use crate::message::{Refusal, ZeroCopySend, ensure, number};
 use nalgebra::Vector2;
+use zeronav_casts::Cast;
 
 /// Most beams of a scan.
 pub const BEAMS_MAX: usize = 4096;
@@ -34,9 +35,8 @@ message! {
 impl Scan {
     /// Direction of beam `beam_index` in the `laser` frame. [rad]
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
     pub fn angle_of(&self, beam_index: usize) -> f64 {
-        f64::from(self.angle_min_rad) + beam_index as f64 * f64::from(self.angle_increment_rad)
+        f64::from(self.angle_min_rad) + beam_index.to_f64() * f64::from(self.angle_increment_rad)
     }
 
     /// True when `range_m` is a hit: finite and between the sensor's limits.

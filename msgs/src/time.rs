@@ -1,5 +1,7 @@
 //! Conversions between the nanoseconds of messages and the seconds of equations.
 
+use zeronav_casts::Cast;
+
 /// `ns` nanoseconds in seconds; exact in nanoseconds up to 2^53 ns, 104 days.
 #[must_use]
 #[allow(clippy::cast_precision_loss, reason = "exact up to 104 days")]
@@ -10,13 +12,8 @@ pub const fn seconds(ns: u64) -> f64 {
 /// `duration_s` seconds in nanoseconds, rounded; 0 for negative durations and NaN, `u64::MAX` for
 /// durations that do not fit.
 #[must_use]
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "float to int saturates"
-)]
 pub fn nanoseconds(duration_s: f64) -> u64 {
-    (duration_s * 1.0e9).round() as u64
+    (duration_s * 1.0e9).round().to_u64()
 }
 
 #[cfg(test)]

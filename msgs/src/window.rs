@@ -1,6 +1,7 @@
 //! A square of cells around one of them.
 
 use crate::grid::{Cell, SIDE_CELLS_MAX};
+use zeronav_casts::Cast;
 
 /// A square of cells.
 #[derive(Debug, Clone, Copy, Default)]
@@ -38,12 +39,10 @@ impl Window {
 
 /// Whole cells in a distance; bounded, 0 for what is not a distance.
 #[must_use]
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "clamped to the side of the largest map"
-)]
 pub fn cells_in(distance_m: f64, resolution_m: f64) -> i32 {
     let side = f64::from(SIDE_CELLS_MAX);
     // Rounding must not lose the cell at the very end of the distance.
-    ((distance_m / resolution_m + 1.0e-6).floor().max(0.0)).min(side) as i32
+    ((distance_m / resolution_m + 1.0e-6).floor().max(0.0))
+        .min(side)
+        .to_i32()
 }

@@ -5,6 +5,7 @@ use crate::zone_shape::Part;
 use crate::zones::ZoneKind;
 use crate::{CellRect, GridGeometry};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 
 /// Mark of a cell that a keepout zone reaches into; other marks are the least cost of a cell, 0 = no zone asks for one.
 pub const MARK_KEEPOUT: u8 = u8::MAX;
@@ -45,12 +46,8 @@ const fn cost(value: f64) -> u8 {
 }
 
 /// The whole part of a coordinate. [cells]
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "float to int saturates, and is cut to the rectangle"
-)]
 fn whole(cells: f64) -> i32 {
-    cells as i32
+    cells.to_i32()
 }
 
 struct Marks<'a> {

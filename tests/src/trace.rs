@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::stages::Stage;
 
@@ -99,15 +100,10 @@ pub fn check_stages(trace: &Trace) {
 }
 
 /// Microseconds as nanoseconds, as Perfetto reads them.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "checked"
-)]
 fn ns(value: &Value) -> u64 {
     let time_us = value.as_f64().expect("a time");
     assert!((0.0..1.0e12).contains(&time_us), "{time_us} us");
-    (time_us * 1.0e3).round() as u64
+    (time_us * 1.0e3).round().to_u64()
 }
 
 fn track_of(event: &Value) -> (u64, u64) {

@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use zeronav_casts::Cast;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::DELAY_STEP_NS;
 use zeronav_msgs::time::seconds;
@@ -73,12 +74,7 @@ pub fn delay(text: &str) -> Result<(Role, u16), String> {
     if !(1.0..=f64::from(u16::MAX)).contains(&steps) {
         return Err("a delay lasts 10us to 655ms".to_owned());
     }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "its range was checked"
-    )]
-    Ok((role, steps as u16))
+    Ok((role, steps.to_u16()))
 }
 
 /// A number of hours: more than none, and at most a year.

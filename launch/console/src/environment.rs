@@ -2,6 +2,7 @@
 
 use crate::terminal::note;
 use crate::version::VERSION;
+use zeronav_casts::Cast;
 use zeronav_measure::result::Environment;
 
 /// Readings at the start of a run; the rest is read at its end.
@@ -108,7 +109,6 @@ pub fn processor_ticks() -> (u64, u64) {
 
 /// Share of the processors' time that the host gave to others between two readings of
 /// [`processor_ticks`], 0 to 1.
-#[allow(clippy::cast_precision_loss, reason = "ticks of one run")]
 #[must_use]
 pub fn steal(before: (u64, u64), after: (u64, u64)) -> f64 {
     let all = after.0.saturating_sub(before.0);
@@ -116,7 +116,7 @@ pub fn steal(before: (u64, u64), after: (u64, u64)) -> f64 {
     if all == 0 {
         0.0
     } else {
-        stolen as f64 / all as f64
+        stolen.to_f64() / all.to_f64()
     }
 }
 

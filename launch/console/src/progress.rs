@@ -6,6 +6,7 @@ use core::fmt;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
+use zeronav_casts::Cast;
 
 /// Between two lines where there is no terminal.
 const PAUSE: Duration = Duration::from_secs(5);
@@ -131,9 +132,8 @@ impl Tally {
     /// "300 runs, 2 at a time: about 5.0 min", for what takes a minute and more; nothing before the time
     /// that one takes is known.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
     pub fn estimate(&self, what: &str, at_a_time: usize) -> Option<String> {
-        let whole_s = self.each_s? * self.total as f64;
+        let whole_s = self.each_s? * self.total.to_f64();
         (whole_s >= 60.0).then(|| {
             let (total, minutes) = (self.total, whole_s / 60.0);
             format!("{total} {what}, {at_a_time} at a time: about {minutes:.1} min")
@@ -142,9 +142,8 @@ impl Tally {
 
     /// "37 of 200 trials, about 4.2 min left"; nothing about the time before it can be known.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
     pub fn in_words(&self, what: &str) -> String {
-        let left = self.total.saturating_sub(self.done) as f64;
+        let left = self.total.saturating_sub(self.done).to_f64();
         let time = self.each_s.map_or_else(String::new, |each_s| {
             format!(", about {:.1} min left", left * each_s / 60.0)
         });

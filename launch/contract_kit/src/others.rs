@@ -4,6 +4,7 @@ use super::robot::{Robot, TICK_NS, description, scan_due};
 use super::room::{BOX_TICK, CLEARANCE_LIMIT_MM, COST_MODEL, DETOUR_M, GOAL, Room, geometry};
 use std::os::unix::net::UnixStream;
 use std::path::Path as FilePath;
+use zeronav_casts::Cast;
 use zeronav_msgs::command::{Validity, VelocityRequest};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::map::{MapInfo, MapTile};
@@ -364,7 +365,6 @@ pub(crate) fn way_m(around: bool) -> Vec<[f64; 2]> {
     }
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "directions are f32")]
 fn waypoints(way_m: &[[f64; 2]], robot: &Robot) -> Vec<Waypoint> {
     let ahead = |point: &&[f64; 2]| point[0] > robot.pose.x_m + 0.1;
     let mut corners = vec![[robot.pose.x_m, robot.pose.y_m]];
@@ -378,7 +378,9 @@ fn waypoints(way_m: &[[f64; 2]], robot: &Robot) -> Vec<Waypoint> {
         .map(|(at, next)| Waypoint {
             x_m: at[0],
             y_m: at[1],
-            yaw_rad: next.map_or(0.0, |next| (next[1] - at[1]).atan2(next[0] - at[0]) as f32),
+            yaw_rad: next.map_or(0.0, |next| {
+                (next[1] - at[1]).atan2(next[0] - at[0]).to_f32()
+            }),
             clearance_m: 0.3,
         })
         .collect()

@@ -1,6 +1,7 @@
 //! The robot of the tests: a disc with a differential drive and a lidar.
 
 use super::room::{ROBOT_RADIUS_M, Room, START};
+use zeronav_casts::Cast;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::{Pose, wrap_angle};
@@ -106,7 +107,6 @@ impl Robot {
     }
 
     /// One turn of its lidar.
-    #[allow(clippy::cast_possible_truncation, reason = "scans are f32")]
     pub(crate) fn scan(&self, room: Room) -> (Scan, Vec<f32>) {
         let ranges = (0..BEAMS).map(|beam| {
             let angle_rad = self.pose.yaw_rad + f64::from(beam) * STEP_RAD;
@@ -114,14 +114,14 @@ impl Robot {
             if range_m > RANGE_M_MAX {
                 f32::INFINITY
             } else {
-                range_m as f32
+                range_m.to_f32()
             }
         });
         let scan = Scan {
             n_beams: u32::from(BEAMS),
-            angle_increment_rad: STEP_RAD as f32,
+            angle_increment_rad: STEP_RAD.to_f32(),
             range_m_min: 0.05,
-            range_m_max: RANGE_M_MAX as f32,
+            range_m_max: RANGE_M_MAX.to_f32(),
             ..Scan::default()
         };
         (scan, ranges.collect())

@@ -8,6 +8,7 @@ use crate::clock::{Clock, put_in_order};
 use crate::log::{Log, LogPose, LogScan, add_pose};
 use core::f32::consts::PI;
 use std::io::{BufRead, BufReader, Read};
+use zeronav_casts::Cast;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::scan::BEAMS_MAX;
 use zeronav_msgs::time::nanoseconds;
@@ -138,8 +139,7 @@ fn scan<'a>(
     let ns = clock.late(nanoseconds(number(&mut words)?));
     let invalid = clean_ranges(&mut ranges, [RANGE_M_MIN, RANGE_M_MAX]);
     log.report.invalid(invalid);
-    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-    let step_rad = PI / (n as f32 - 1.0);
+    let step_rad = PI / (n.to_f32() - 1.0);
     log.add_scan(LogScan {
         ns,
         angle_min_rad: -PI / 2.0,

@@ -3,6 +3,7 @@
 use crate::log::{Log, LogPose};
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
+use zeronav_casts::Cast;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::{Pose, wrap_angle};
@@ -62,7 +63,6 @@ pub struct Imported {
 
 /// The odometry between two messages, or at one; `None` outside.
 #[must_use]
-#[allow(clippy::cast_precision_loss, reason = "times between two messages")]
 pub fn pose_at(odometry: &[LogPose], ns: u64) -> Option<Pose> {
     let after = odometry.partition_point(|it| it.ns < ns);
     let later = odometry.get(after)?;
@@ -70,7 +70,7 @@ pub fn pose_at(odometry: &[LogPose], ns: u64) -> Option<Pose> {
         return Some(later.pose);
     }
     let earlier = odometry.get(after.checked_sub(1)?)?;
-    let share = (ns - earlier.ns) as f64 / (later.ns - earlier.ns) as f64;
+    let share = (ns - earlier.ns).to_f64() / (later.ns - earlier.ns).to_f64();
     let (from, to) = (&earlier.pose, &later.pose);
     Some(Pose::new(
         from.x_m + share * (to.x_m - from.x_m),

@@ -7,6 +7,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use zeronav_casts::Cast;
 use zeronav_observe::statistics::{median, percentile};
 
 /// Resamplings. The ends of a 95 % interval are the 10th from either end.
@@ -25,10 +26,6 @@ pub const QUANTILES: [f64; 3] = [0.50, 0.90, 0.99];
 /// nearest-rank percentile of a round. `block` is the number of consecutive samples that are drawn
 /// together. `None` without two samples in some round. [ns]
 #[must_use]
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "times of a run are far below 2^53 ns"
-)]
 pub fn intervals(rounds: &[Vec<u64>], block: usize) -> Option<[[f64; 2]; 3]> {
     let rounds: Vec<&Vec<u64>> = rounds.iter().filter(|round| !round.is_empty()).collect();
     if rounds.iter().all(|round| round.len() < 2) {
@@ -43,7 +40,7 @@ pub fn intervals(rounds: &[Vec<u64>], block: usize) -> Option<[[f64; 2]; 3]> {
             let round = rounds[random.random_range(0..rounds.len())];
             draw(round, block, &mut random, &mut drawn);
             for (values, quantile) in of_rounds.iter_mut().zip(QUANTILES) {
-                values.extend(percentile(&mut drawn, quantile).map(|time_ns| time_ns as f64));
+                values.extend(percentile(&mut drawn, quantile).map(Cast::to_f64));
             }
         }
         for (values, of_rounds) in values.iter_mut().zip(of_rounds) {
@@ -66,15 +63,9 @@ pub fn draw(from: &[u64], block: usize, random: &mut Pcg64Mcg, into: &mut Vec<u6
 }
 
 /// The ends of the middle 95 % of `values`; `None` without values.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few hundred values"
-)]
 pub fn ends(mut values: Vec<f64>) -> Option<[f64; 2]> {
     values.sort_by(f64::total_cmp);
-    let beyond = (values.len() as f64 * TAIL) as usize;
+    let beyond = (values.len().to_f64() * TAIL).to_usize();
     let low = values.get(beyond)?;
     let high = values.get(values.len() - 1 - beyond)?;
     Some([*low, *high])
@@ -85,18 +76,13 @@ mod tests {
     use super::*;
 
     /// Exponential times with a mean of 1 ms, and a factor that each round has for itself.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "some milliseconds"
-    )]
     fn rounds(seed: u64, n: usize, spread: f64) -> Vec<Vec<u64>> {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut round = |_| {
             let factor = (spread * (random.random::<f64>() - 0.5)).exp();
             let mut time = || {
                 let time_ns = -1.0e6 * (1.0 - random.random::<f64>()).ln() * factor;
-                time_ns.round() as u64
+                time_ns.round().to_u64()
             };
             (0..n).map(|_| time()).collect()
         };

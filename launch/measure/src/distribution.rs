@@ -2,6 +2,7 @@
 
 use crate::result::latency::Figures;
 use hdrhistogram::Histogram;
+use zeronav_casts::Cast;
 pub use zeronav_observe::hop_chain::to_us;
 
 /// Times and the samples that found no answer before their deadline.
@@ -63,12 +64,8 @@ impl Distribution {
     /// deviations of the binomial distribution away. Samples count as independent. `None` when
     /// there are too few.
     #[must_use]
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "samples of a run are far below 2^53"
-    )]
     pub fn interval_us(&self, q: f64) -> Option<[f64; 2]> {
-        let n = self.len() as f64;
+        let n = self.len().to_f64();
         let half = 1.96 * (n * q * (1.0 - q)).sqrt();
         let ranks = [(n * q - half).floor(), (n * q + half).ceil() + 1.0];
         if ranks[0] < 1.0 || ranks[1] > n {

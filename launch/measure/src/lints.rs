@@ -5,6 +5,7 @@ use crate::result::profile::Profile;
 use crate::result::trials::Disturbance;
 use crate::result::{CommandLag, RunResult};
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 
 /// A service that waited for a processor for less is not named. [us]
 const QUEUE_US_MIN: f64 = 10_000.0;
@@ -104,11 +105,10 @@ fn woke_in_vain(disturbances: &[&Disturbance], answers: &BTreeMap<String, u64>) 
 }
 
 /// Edges on which messages were overtaken.
-#[allow(clippy::cast_precision_loss, reason = "counts of messages")]
 fn superseded(profile: &Profile) -> Vec<String> {
     let edges = profile.edges.iter();
     let named = edges.filter(|edge| {
-        edge.superseded as f64 > SUPERSEDED_SHARE_MIN * edge.sent as f64 && edge.superseded > 0
+        edge.superseded.to_f64() > SUPERSEDED_SHARE_MIN * edge.sent.to_f64() && edge.superseded > 0
     });
     named
         .map(|edge| {
@@ -180,11 +180,10 @@ fn refused(profile: &Profile) -> Vec<String> {
 }
 
 /// What else went on while it was measured.
-#[allow(clippy::cast_precision_loss, reason = "a count of cores")]
 fn disturbed(result: &RunResult, profile: &Profile, all: &[&Disturbance]) -> Vec<String> {
     let mut lints = Vec::new();
     let (cores, load) = (result.environment.cores, result.environment.load_start);
-    if load > LOAD_PER_CORE_MAX * cores as f64 {
+    if load > LOAD_PER_CORE_MAX * cores.to_f64() {
         lints.push(format!(
             "the machine was not idle before the run: load {load:.1} on {cores} cores"
         ));

@@ -8,6 +8,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use zeronav_casts::Cast;
 use zeronav_observe::statistics::{median, percentile};
 
 /// Rounds of each side. With fewer, all ratios lie on one side of 1 by chance too often for any
@@ -47,13 +48,7 @@ pub fn ratio(rounds: &[(Vec<u64>, Vec<u64>)]) -> Option<Ratio> {
         .map(|_| mean((0..n).map(|_| logarithms[random.random_range(0..n)]), n))
         .collect();
     means.sort_by(f64::total_cmp);
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a place among some thousand values"
-    )]
-    let beyond = (RESAMPLES as f64 * TAIL) as usize;
+    let beyond = (RESAMPLES.to_f64() * TAIL).to_usize();
     let [low, high] = [beyond, RESAMPLES - 1 - beyond].map(|place| means[place].exp());
     Some(Ratio {
         ratio: mean(logarithms.iter().copied(), n).exp(),
@@ -71,17 +66,12 @@ fn logarithm((first, second): &(Vec<u64>, Vec<u64>)) -> Option<f64> {
 }
 
 /// The 50th percentile of a round; `None` without samples. [ns]
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "times of a run are far below 2^53 ns"
-)]
 fn p50_ns(times_ns: &[u64]) -> Option<f64> {
-    percentile(&mut times_ns.to_vec(), 0.5).map(|time_ns| time_ns as f64)
+    percentile(&mut times_ns.to_vec(), 0.5).map(Cast::to_f64)
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few rounds")]
 fn mean(values: impl Iterator<Item = f64>, n: usize) -> f64 {
-    values.sum::<f64>() / n as f64
+    values.sum::<f64>() / n.to_f64()
 }
 
 /// Median over the rounds of the medians of one side; `None` without samples. [ns]
@@ -103,11 +93,6 @@ mod tests {
 
     /// Rounds of `n` times with a long tail. Each round has a pace of its own, which both sides share,
     /// and a little that they do not.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "some milliseconds"
-    )]
     fn rounds(seed: u64, rounds: usize, n: usize, factor: f64) -> Vec<(Vec<u64>, Vec<u64>)> {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut uniform = move || random.random::<f64>();
@@ -117,7 +102,9 @@ mod tests {
                 let own = (0.1 * (uniform() - 0.5)).exp();
                 let mut time = || {
                     let tail = -0.3 * (1.0 - uniform()).ln();
-                    (1.0e6 * factor * pace * own * (1.0 + tail)).round() as u64
+                    (1.0e6 * factor * pace * own * (1.0 + tail))
+                        .round()
+                        .to_u64()
                 };
                 (0..n).map(|_| time()).collect()
             };

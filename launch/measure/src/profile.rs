@@ -12,6 +12,7 @@ use super::series::Series;
 use crate::result::latency::Figures;
 use crate::result::profile::{CommandGaps, Edge, Profile, ProfileRow};
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::SpanKind;
 use zeronav_observe::hop_chain::{ALL, DIRECT, HOPS, THROUGH_MAP};
@@ -201,13 +202,8 @@ fn profile_row(name: &str, rounds: &[&Series], block: usize, deadline_ns: u64) -
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "times of a run, not below 0"
-)]
 fn us(time_ns: f64) -> f64 {
-    to_us(time_ns.round() as u64)
+    to_us(time_ns.round().to_u64())
 }
 
 #[cfg(test)]

@@ -213,6 +213,7 @@ fn words(moment: &Moment) -> impl PartialEq + use<> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeronav_casts::Cast;
     use zeronav_msgs::command::{Intervention, RequestCause, Validity};
     use zeronav_msgs::task::{EndReason, StuckCause};
 
@@ -238,8 +239,7 @@ mod tests {
         if tick.is_multiple_of(2) {
             reasons.command(tick, run_ns, &command);
         }
-        #[allow(clippy::cast_precision_loss, reason = "a small number")]
-        reasons.request(tick, run_ns, &request(cause, tick as f64));
+        reasons.request(tick, run_ns, &request(cause, tick.to_f64()));
         if tick % 2 == 1 {
             reasons.command(tick, run_ns, &command);
         }

@@ -9,6 +9,7 @@ use super::reaction::{Reaction, reactions_of};
 use crate::result::latency::Figures;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
 use zeronav_msgs::time::seconds;
@@ -101,13 +102,8 @@ impl Gathered {
     }
 
     fn count(&mut self, time_ns: u64) {
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "times of a run are below 2^53 ns"
-        )]
-        let us = time_ns.max(1) as f64 / 1.0e3;
-        #[allow(clippy::cast_possible_truncation, reason = "some ten decades at most")]
-        let bin = (us.log10() * BINS_PER_DECADE).floor() as i32;
+        let us = time_ns.max(1).to_f64() / 1.0e3;
+        let bin = (us.log10() * BINS_PER_DECADE).floor().to_i32();
         *self.bins.entry(bin).or_default() += 1;
     }
 

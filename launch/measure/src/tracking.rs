@@ -7,6 +7,7 @@
 use crate::result::truth::{PoseResult, TrackingResult};
 use crate::tracking_score::TrackingScore;
 use std::collections::{BTreeMap, VecDeque};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::certainty::PoseCertainty;
 use zeronav_msgs::obstacles::Obstacle;
@@ -137,8 +138,7 @@ impl TruthComparison {
     /// Where the robot was said to be; `None` before the first scan.
     #[must_use]
     pub fn pose(&self) -> Option<PoseResult> {
-        #[allow(clippy::cast_precision_loss, reason = "a count of scans")]
-        let n = self.pose.scans as f64;
+        let n = self.pose.scans.to_f64();
         (self.pose.scans > 0).then(|| PoseResult {
             error_m_rms: (self.squares_m2 / n).sqrt(),
             ..self.pose.clone()
@@ -153,8 +153,7 @@ impl TruthComparison {
         }
         let report = self.score.report();
         let delays_s = report.delays_s;
-        #[allow(clippy::cast_precision_loss, reason = "a count of tracks")]
-        let made_up = report.false_tracks as f64;
+        let made_up = report.false_tracks.to_f64();
         Some(TrackingResult {
             found: delays_s.len(),
             missed: report.missed,

@@ -3,6 +3,7 @@
 //! Used where the truth is known: in simulated runs, and in the tests of mapping.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::truth::TruthObstacle;
@@ -137,8 +138,7 @@ impl TrackingScore {
     /// What it came to so far.
     #[must_use]
     pub fn report(&self) -> TrackingReport {
-        #[allow(clippy::cast_precision_loss, reason = "counts of scans")]
-        let samples = self.report.velocity_samples.max(1) as f64;
+        let samples = self.report.velocity_samples.max(1).to_f64();
         TrackingReport {
             velocity_rmse_mps: (self.squares / samples).sqrt(),
             false_tracks: self.false_numbers.len(),

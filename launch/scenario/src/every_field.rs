@@ -9,6 +9,7 @@ pub(super) use others::OTHERS;
 use std::collections::{BTreeMap, BTreeSet};
 use tempfile::TempDir;
 use toml::{Table, Value};
+use zeronav_casts::Cast;
 use zeronav_msgs::Role;
 
 /// The shipped scenarios with their defaults written out, and the ones above.
@@ -171,9 +172,8 @@ fn every_number_has_a_range() {
             }
             // These may be, but nothing may panic.
             for odd in [-1_i64, 0, i64::MAX] {
-                #[allow(clippy::cast_precision_loss, reason = "any number will do")]
                 let as_read = if is_float {
-                    Value::from(odd as f64)
+                    Value::from(odd.to_f64())
                 } else {
                     Value::from(odd)
                 };

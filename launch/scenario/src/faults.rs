@@ -13,6 +13,7 @@
 
 use super::limits::{COORDINATE_M_MAX, TIME_LIMIT_S_MAX};
 use serde::{Deserialize, Serialize};
+use zeronav_casts::Cast;
 use zeronav_msgs::Role;
 use zeronav_msgs::run::{DELAY_STEP_NS, RunMode, SHARE_ALL, TopicFault, TopicFaultKind};
 use zeronav_msgs::time::seconds;
@@ -352,11 +353,6 @@ impl StackFault {
 
     /// What it does to the messages of its topic; `None` for other faults.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "their ranges were checked"
-    )]
     pub fn topic_fault(&self, seed: u32) -> Option<TopicFault> {
         let (kind, share, delay_ms) = match self {
             Self::Drop { share, .. } => (TopicFaultKind::Drop, *share, 0.0),
@@ -367,32 +363,26 @@ impl StackFault {
         Some(TopicFault {
             topic: u16::try_from(self.topic()?.number).ok()?,
             kind: kind.code(),
-            share: (share * f64::from(SHARE_ALL)).round() as u32,
-            delay_us: (delay_ms * 1.0e3).round() as u32,
+            share: (share * f64::from(SHARE_ALL)).round().to_u32(),
+            delay_us: (delay_ms * 1.0e3).round().to_u32(),
             seed,
         })
     }
 
     /// By how much it puts a clock forward; `None` for other faults. [ms]
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, reason = "its range was checked")]
     pub fn clock_offset_ms(&self) -> Option<i32> {
         match self {
-            Self::Clock { by_ms, .. } => Some(by_ms.round() as i32),
+            Self::Clock { by_ms, .. } => Some(by_ms.round().to_i32()),
             _ => None,
         }
     }
 
     /// The delay of each answer in steps of [`DELAY_STEP_NS`]; 0 for other faults.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "its range was checked"
-    )]
     pub fn delay_steps(&self) -> u16 {
         match self {
-            Self::Slow { by_ms, .. } => (by_ms / (seconds(DELAY_STEP_NS) * 1.0e3)).round() as u16,
+            Self::Slow { by_ms, .. } => (by_ms / (seconds(DELAY_STEP_NS) * 1.0e3)).round().to_u16(),
             _ => 0,
         }
     }

@@ -68,6 +68,7 @@ use document::Document;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use zeronav_casts::Cast;
 use zeronav_msgs::task::Goal;
 use zeronav_msgs::{Pose, Role};
 use zeronav_params::parameters;
@@ -162,24 +163,14 @@ parameters! {
 impl RunSpec {
     /// Run time from tick to tick. [ns]
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "1 to 1000 ticks a second, as the scenario's check has made sure"
-    )]
     pub fn tick_ns(&self) -> u64 {
-        (1.0e9 / self.tick_hz).round() as u64
+        (1.0e9 / self.tick_hz).round().to_u64()
     }
 
     /// Run time after which the run ends. [ns]
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a positive number of seconds, as the scenario's check has made sure"
-    )]
     pub fn time_limit_ns(&self) -> u64 {
-        (self.time_limit_s * 1.0e9).round() as u64
+        (self.time_limit_s * 1.0e9).round().to_u64()
     }
 }
 

@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use zeronav_casts::Cast;
 use zeronav_console::artifacts;
 use zeronav_console::environment;
 use zeronav_console::exit::EXIT_PASS;
@@ -230,13 +231,8 @@ fn verdict(ratio: Option<Ratio>, rounds: usize) -> &'static str {
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "times of a run, not below 0"
-)]
 fn us(time_ns: f64) -> f64 {
-    to_us(time_ns.round() as u64)
+    to_us(time_ns.round().to_u64())
 }
 
 impl Comparison {

@@ -5,6 +5,7 @@ use rustix::fs::{FallocateFlags, fallocate, fstatfs};
 use rustix::io::Errno;
 use std::fs::File;
 use std::path::Path;
+use zeronav_casts::Cast;
 
 /// The largest piece that is asked for at a time, and the smallest. [bytes]
 const PIECE_BYTES: [u64; 2] = [1 << 34, 4096];
@@ -53,8 +54,7 @@ fn spare_memory(file: &File, folder: &Path) -> Result<(), String> {
         .f_bfree
         .saturating_mul(u64::try_from(stat.f_bsize).unwrap_or(0));
     let available = available_memory().unwrap_or(0);
-    #[allow(clippy::cast_precision_loss, reason = "sizes of memory")]
-    let is_too_much = free as f64 > MEMORY_SHARE * available as f64;
+    let is_too_much = free.to_f64() > MEMORY_SHARE * available.to_f64();
     if is_memory && is_too_much {
         return Err(format!(
             "{}: filling it would take {} MB of the {} MB of memory that are available; give the stack a \

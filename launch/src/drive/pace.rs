@@ -1,6 +1,7 @@
 //! How fast a lockstep stack goes. Pure.
 
 use std::time::{Duration, Instant};
+use zeronav_casts::Cast;
 
 /// Speeds that can be asked for, in parts of real time.
 pub(super) const SPEEDS: [f64; 2] = [0.01, 100.0];
@@ -35,15 +36,10 @@ impl Pace {
 
     /// The tick up to which the robot may go now, [`BEHIND_MAX`] after its own at most: what a slow
     /// stack is behind by more is not made up for.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "not negative, and a run is shorter than 2^63 ticks"
-    )]
     pub(super) fn granted(&mut self, robot_tick: u64, now: Instant) -> u64 {
         let (tick, since) = self.from;
         let elapsed_s = now.saturating_duration_since(since).as_secs_f64();
-        let granted = tick + (elapsed_s * self.factor / self.tick.as_secs_f64()) as u64;
+        let granted = tick + (elapsed_s * self.factor / self.tick.as_secs_f64()).to_u64();
         if granted > robot_tick + BEHIND_MAX {
             self.restart(robot_tick + BEHIND_MAX, now);
         }

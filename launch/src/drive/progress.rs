@@ -1,6 +1,7 @@
 //! How far a drive is, for the line that is shown while it goes on.
 
 use super::session::Session;
+use zeronav_casts::Cast;
 use zeronav_console::progress::{Progress, Tally};
 use zeronav_msgs::time::seconds;
 
@@ -28,7 +29,6 @@ impl Session<'_> {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
 fn count(n: usize) -> f64 {
-    n as f64
+    n.to_f64()
 }

@@ -7,6 +7,7 @@ use crate::orders::Order;
 use crate::why::{self, Now};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_measure::result::moment::Moment;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
@@ -162,12 +163,7 @@ impl Session<'_> {
         for goal in goals {
             self.check_goal(goal)?;
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "its range was checked"
-        )]
-        let time_limit_ns = time_limit_s.map(|limit_s| (limit_s * 1.0e9) as u64);
+        let time_limit_ns = time_limit_s.map(|limit_s| (limit_s * 1.0e9).to_u64());
         Ok(Order {
             goals: goals.iter().map(|goal| goal.message(0)).collect(),
             repeats,

@@ -2,6 +2,7 @@
 //! what was heard first.
 
 use std::collections::VecDeque;
+use zeronav_casts::Cast;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::{Pose, wrap_angle};
 use zeronav_msgs::scan::Scan;
@@ -125,14 +126,13 @@ impl Held {
 }
 
 /// The pose at a run time between those of two messages. [ns]
-#[allow(clippy::cast_precision_loss, reason = "nanoseconds between two ticks")]
 fn between(before: &HeldOdometry, after: &HeldOdometry, run_ns: u64) -> Pose {
     let (from, to) = (&before.odometry.pose, &after.odometry.pose);
     let whole_ns = after.run_ns.saturating_sub(before.run_ns);
     if whole_ns == 0 {
         return *to;
     }
-    let share = (run_ns - before.run_ns) as f64 / whole_ns as f64;
+    let share = (run_ns - before.run_ns).to_f64() / whole_ns.to_f64();
     Pose::new(
         from.x_m + share * (to.x_m - from.x_m),
         from.y_m + share * (to.y_m - from.y_m),

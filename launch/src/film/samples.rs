@@ -4,6 +4,7 @@ use super::thinned::Sample;
 use serde::Serialize;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::grid::Cell;
 use zeronav_msgs::map::{MapCell, MapTile, MapView, TILE_CELLS};
@@ -163,8 +164,7 @@ pub(crate) fn beams_kept<'a>(scan: &Scan, ranges_m: &'a [f32]) -> (Scan, Cow<'a,
         return (*scan, Cow::Borrowed(ranges_m));
     }
     let kept: Vec<f32> = ranges_m.iter().copied().step_by(step).collect();
-    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-    let angle_increment_rad = scan.angle_increment_rad * step as f32;
+    let angle_increment_rad = scan.angle_increment_rad * step.to_f32();
     let scan = Scan {
         n_beams: u32::try_from(kept.len()).unwrap_or(u32::MAX),
         angle_increment_rad,

@@ -10,6 +10,7 @@
 //! A row is a name of the report. Counts have no unit; `x` is the ratio to the baseline.
 
 use core::fmt;
+use zeronav_casts::Cast;
 use zeronav_measure::result::latency::Figures;
 use zeronav_shell::nearest::unknown;
 
@@ -50,7 +51,6 @@ impl Figure {
     }
 
     /// Its value: a time [us] or a count. `None` where so few samples do not tell it.
-    #[allow(clippy::cast_precision_loss, reason = "counts of samples")]
     pub(super) fn of(self, figures: &Figures) -> Option<f64> {
         let figures = figures.supported();
         match self {
@@ -58,8 +58,8 @@ impl Figure {
             Self::P90 => figures.p90_us,
             Self::P99 => figures.p99_us,
             Self::Max => figures.max_us,
-            Self::N => Some(figures.n as f64),
-            Self::Censored => Some(figures.censored as f64),
+            Self::N => Some(figures.n.to_f64()),
+            Self::Censored => Some(figures.censored.to_f64()),
         }
     }
 

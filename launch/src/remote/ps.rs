@@ -6,6 +6,7 @@ use core::fmt::Write;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeronav_casts::Cast;
 use zeronav_console::exit::EXIT_PASS;
 use zeronav_console::terminal::{say, say_json};
 use zeronav_shell::printable;
@@ -100,7 +101,6 @@ pub(crate) fn on_host(host: Option<&str>) -> String {
     host.map_or_else(String::new, |host| format!(" on {}", printable(host)))
 }
 
-#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
 fn megabytes(bytes: u64) -> f64 {
-    bytes as f64 / 1.0e6
+    bytes.to_f64() / 1.0e6
 }

@@ -3,6 +3,7 @@
 
 use super::html::{number, text_of, time};
 use core::fmt::Write;
+use zeronav_casts::Cast;
 use zeronav_measure::result::latency::Figures;
 use zeronav_measure::timings::{BINS_PER_DECADE, Slow, Spread};
 
@@ -52,8 +53,7 @@ pub(super) fn histogram(title: &str, spread: &Spread) -> String {
     );
     axis(&mut svg, first, last, x_of_bin);
     for (bin, n) in &bins {
-        #[allow(clippy::cast_precision_loss, reason = "samples of a run")]
-        let height = (*n as f64 / most as f64 * (BOTTOM - TOP)).max(1.5);
+        let height = ((*n).to_f64() / most.to_f64() * (BOTTOM - TOP)).max(1.5);
         let _ = write!(
             svg,
             "<rect class=\"bar\" x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{height:.1}\">\

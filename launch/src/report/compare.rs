@@ -8,6 +8,7 @@ use crate::show::picture::{Line, Picture};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use core::fmt::Write;
+use zeronav_casts::Cast;
 use zeronav_measure::result::ServiceResult;
 use zeronav_measure::timings::{Spread, Timings};
 
@@ -159,9 +160,8 @@ fn row(runs: &[RunFolder], name: &str, unit: Unit, of: impl Fn(&RunFolder) -> Me
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 fn count(n: usize) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 /// What the drives came to.
@@ -270,12 +270,11 @@ fn services(runs: &[RunFolder]) -> Vec<Row> {
                 )
             },
         ));
-        #[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
         rows.push(row(
             runs,
             &format!("peak memory of {}", words(&seat)),
             Unit::Bytes,
-            |run| Measure::exact(service(run).map(|service| service.memory_peak_bytes as f64)),
+            |run| Measure::exact(service(run).map(|service| service.memory_peak_bytes.to_f64())),
         ));
     }
     rows

@@ -4,6 +4,7 @@ use super::folder::{Outcome, RunFolder};
 use super::html::{Cell, table, text_of, words};
 use crate::show::recording::Recording;
 use serde::Serialize;
+use zeronav_casts::Cast;
 use zeronav_measure::result::fault::FaultResult;
 use zeronav_measure::result::swap::SwapResult;
 use zeronav_measure::result::{PlannedPath, Redirect, Restart, Touch};
@@ -195,10 +196,9 @@ fn swaps<'a>(
     recording: Option<&'a Recording>,
 ) -> impl Iterator<Item = Event> + 'a {
     let timed = recording.filter(|recording| recording.tick_s > 0.0);
-    #[allow(clippy::cast_precision_loss, reason = "ticks of a run")]
     let at = move |tick: Option<u64>| {
         let recording = timed?;
-        Some((tick? as f64 * recording.tick_s - recording.first_goal_s).max(0.0))
+        Some((tick?.to_f64() * recording.tick_s - recording.first_goal_s).max(0.0))
     };
     swaps.iter().flat_map(move |swap| {
         let who = format!("{}: {}", words(&swap.role), swap.binary);

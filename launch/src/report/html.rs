@@ -1,6 +1,7 @@
 //! Elements of a page.
 
 use core::fmt::Write;
+use zeronav_casts::Cast;
 use zeronav_console::svg::escape;
 use zeronav_shell::printable::printable_json;
 
@@ -86,9 +87,8 @@ pub(super) fn time(us: impl Into<Option<f64>>) -> String {
 }
 
 /// Bytes as megabytes.
-#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
 pub(super) fn megabytes(bytes: u64) -> String {
-    format!("{:.1} MB", bytes as f64 / 1.0e6)
+    format!("{:.1} MB", bytes.to_f64() / 1.0e6)
 }
 
 /// A word of the contract as words.

@@ -7,6 +7,7 @@
 use super::captions::captions;
 use super::recording::{RecordedObstacle, Recording, first_and_last, unwrapped};
 use core::fmt::Write;
+use zeronav_casts::Cast;
 use zeronav_console::svg::{escape, polyline, short};
 
 /// Width of the drawing. [px]
@@ -138,16 +139,10 @@ impl Drawing<'_> {
     }
 
     /// Frames of the animations of poses, evenly over the loop: run times. [s]
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a few hundred frames"
-    )]
     fn frames(&self) -> impl Iterator<Item = f64> + use<> {
-        let n = ((self.loop_s * 10.0) as usize).clamp(2, FRAMES_MAX);
-        let step_s = self.loop_s / (n - 1) as f64;
-        (0..n).map(move |frame| frame as f64 * step_s)
+        let n = (self.loop_s * 10.0).to_usize().clamp(2, FRAMES_MAX);
+        let step_s = self.loop_s / (n - 1).to_f64();
+        (0..n).map(move |frame| frame.to_f64() * step_s)
     }
 
     fn map(&mut self, map_px: f64) {

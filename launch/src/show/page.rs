@@ -1,6 +1,7 @@
 //! The result of a run as a page of text.
 
 use core::fmt::Write;
+use zeronav_casts::Cast;
 use zeronav_measure::lints::lints;
 use zeronav_measure::result::companion::{CompanionResult, STOPPED};
 use zeronav_measure::result::fault::FaultResult;
@@ -301,9 +302,8 @@ fn write_latency(latency: &Latency, text: &mut String) {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
 fn megabytes(bytes: u64) -> f64 {
-    bytes as f64 / 1.0e6
+    bytes.to_f64() / 1.0e6
 }
 
 /// The line for people; nothing when odometry was the truth and was left alone.

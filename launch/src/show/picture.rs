@@ -1,6 +1,7 @@
 //! The picture of a run, as SVG: map, obstacles, planned paths, driven track.
 
 use core::fmt::Write;
+use zeronav_casts::Cast;
 use zeronav_console::svg::escape;
 
 /// A line with a name in the legend.
@@ -96,8 +97,7 @@ impl Picture {
             top_m: high[1],
         };
         let map_px = height_m * frame.scale;
-        #[allow(clippy::cast_precision_loss, reason = "a handful of rows")]
-        let legend_px = LEGEND_ROW_PX * self.lines.len().div_ceil(3) as f64 + BORDER_PX;
+        let legend_px = LEGEND_ROW_PX * self.lines.len().div_ceil(3).to_f64() + BORDER_PX;
         let height_px = TITLE_PX + map_px + legend_px + BORDER_PX;
         let mut svg = String::with_capacity(64 * 1024);
         let _ = write!(
@@ -175,10 +175,9 @@ impl Picture {
 
     fn draw_legend(&self, top_px: f64, svg: &mut String) {
         for (n, line) in self.lines.iter().enumerate() {
-            #[allow(clippy::cast_precision_loss, reason = "a handful of lines")]
             let (x, y) = (
-                BORDER_PX + (n % 3) as f64 * (WIDTH_PX / 3.0),
-                top_px + (n / 3) as f64 * LEGEND_ROW_PX + 8.0,
+                BORDER_PX + (n % 3).to_f64() * (WIDTH_PX / 3.0),
+                top_px + (n / 3).to_f64() * LEGEND_ROW_PX + 8.0,
             );
             let _ = writeln!(
                 svg,

@@ -1,6 +1,7 @@
 //! Reads what both processes of a seat answer.
 
 use super::scores::{Answer, Scores};
+use zeronav_casts::Cast;
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, MapView};
 use zeronav_msgs::path::{PathStatus, Waypoint};
@@ -261,12 +262,7 @@ fn blockage(map: &MapView<'_>, waypoints: &[Waypoint]) -> Blockage {
         if steps >= f64::from(left) {
             return Blockage::Static;
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "between 1 and LOOKUPS_MAX"
-        )]
-        let steps = steps.max(1.0) as u32;
+        let steps = steps.max(1.0).to_u32();
         left -= steps.min(left);
         for step in 0..=steps {
             let share = f64::from(step) / f64::from(steps);

@@ -1,6 +1,7 @@
 //! How far the answers of two processes differ, tick by tick. Pure.
 
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_measure::result::swap::Comparison;
 use zeronav_msgs::command::{Intervention, VelocityCommand, VelocityRequest};
 use zeronav_msgs::map::{COST_LETHAL, COST_UNKNOWN, MapView};
@@ -170,8 +171,7 @@ impl Scores {
     /// What was found so far.
     pub(crate) fn report(&self, comparison: &mut Comparison) {
         comparison.ticks = self.ticks;
-        #[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
-        let agree = self.agreed / self.ticks.max(1) as f64;
+        let agree = self.agreed / self.ticks.max(1).to_f64();
         comparison.agree = (self.ticks > 0).then_some(agree);
         comparison.measures.clear();
         for (name, (sum, max, n)) in &self.sums {

@@ -2,6 +2,7 @@
 
 use super::view::{CompanionLine, ServiceLine, TopicLine, View};
 use core::fmt::Write;
+use zeronav_casts::Cast;
 use zeronav_observe::usage::Usage;
 
 /// Headings of the services.
@@ -127,9 +128,8 @@ fn dash() -> String {
     "-".to_owned()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "sizes far below 2^53")]
 fn megabytes(bytes: u64) -> String {
-    format!("{:.1}", bytes as f64 / 1.0e6)
+    format!("{:.1}", bytes.to_f64() / 1.0e6)
 }
 
 fn age(age_s: f64) -> String {

@@ -2,6 +2,7 @@
 
 use super::view::TopicLine;
 use std::collections::VecDeque;
+use zeronav_casts::Cast;
 use zeronav_msgs::time::seconds;
 
 /// Time over which rates are taken. [ns]
@@ -102,9 +103,8 @@ impl Totals {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts of one session")]
 fn count(n: u64) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 #[cfg(test)]

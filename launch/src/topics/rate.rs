@@ -2,6 +2,7 @@
 
 use super::message::Message;
 use serde_json::json;
+use zeronav_casts::Cast;
 use zeronav_msgs::time::seconds;
 
 /// Messages of a span of time.
@@ -171,9 +172,8 @@ impl Periods {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts of one session")]
 fn count(n: u64) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::oracle::robot::Abilities;
 use nalgebra::Point2;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use zeronav_casts::Cast;
 use zeronav_msgs::grid::Cell;
 use zeronav_msgs::{GridGeometry, Pose};
 use zeronav_world::World;
@@ -178,17 +179,12 @@ impl PartialOrd for Open {
 }
 
 /// Cells over the area of a world.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a million cells, or the world's own, which are larger"
-)]
 fn geometry(world: &World) -> GridGeometry {
     let own = world.geometry();
     let length_m = |cells: u32| f64::from(cells) * own.resolution_m;
     let (width_m, height_m) = (length_m(own.width), length_m(own.height));
     let side_m = (width_m * height_m / CELLS_MAX).sqrt().max(CELL_M);
-    let cells = |length_m: f64| (length_m / side_m - 1.0e-6).ceil().max(1.0) as u32;
+    let cells = |length_m: f64| (length_m / side_m - 1.0e-6).ceil().max(1.0).to_u32();
     GridGeometry {
         resolution_m: side_m,
         width: cells(width_m),
@@ -198,12 +194,7 @@ fn geometry(world: &World) -> GridGeometry {
 }
 
 /// The cell with this row-major index.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    reason = "a million cells"
-)]
 fn cell_of(index: usize, geometry: &GridGeometry) -> Cell {
     let width = geometry.width as usize;
-    Cell::new((index % width) as i32, (index / width) as i32)
+    Cell::new((index % width).to_i32(), (index / width).to_i32())
 }

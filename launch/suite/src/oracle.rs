@@ -23,6 +23,7 @@ pub(super) mod robot;
 use cells::FreeSet;
 use reach::Reach;
 use robot::{Abilities, Disc, State};
+use zeronav_casts::Cast;
 
 /// Time from look to look, at most. [s]
 const STEP_S: f64 = 0.2;
@@ -102,13 +103,8 @@ fn touches_anyhow(
     })
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few seconds in steps of a fifth"
-)]
 fn looks(duration_s: f64) -> u32 {
-    (duration_s / STEP_S).ceil().clamp(0.0, 1000.0) as u32
+    (duration_s / STEP_S).ceil().clamp(0.0, 1000.0).to_u32()
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use super::runner::Runner;
 use super::turns::OutlineWay;
 use core::f64::consts::{FRAC_PI_2, PI};
 use toml::Table;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_world_files::pedestrians::Scene;
 
@@ -182,13 +183,9 @@ fn rule(start: Pose, goal: Pose) -> Rule {
 }
 
 /// Moment of the recording at which the run begins; the robot's time fits into what is left. [s]
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a number of runs, far below 2^53"
-)]
 fn from_s(scene: &Scene, seed: u64, limit_s: f64) -> f64 {
     let (first_s, last_s) = scene.span_s();
-    let share = (GOLDEN * seed as f64).fract();
+    let share = (GOLDEN * seed.to_f64()).fract();
     first_s + share * (last_s - limit_s - first_s).max(0.0)
 }
 

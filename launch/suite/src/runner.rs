@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use zeronav_casts::Cast;
 use zeronav_console::exit::EXIT_INTERRUPTED;
 use zeronav_console::progress::{ProgressLine, Tally};
 use zeronav_console::terminal::note;
@@ -270,9 +271,8 @@ impl<'a> Runner<'a> {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
 fn count(n: usize) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 impl Going<'_> {

@@ -12,6 +12,7 @@ use super::oracle::robot::Abilities;
 use core::f64::consts::TAU;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, HashMap};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_scenario::GoalSpec;
@@ -213,14 +214,13 @@ fn moved(from: &Pose, way_m: f64, turn_rad: f64) -> Pose {
 }
 
 /// The cell of a pose; those of wide and narrow places differ.
-#[allow(clippy::cast_possible_truncation, reason = "cells of a world's area")]
 fn cell(pose: &Pose, is_wide: bool) -> [i64; 3] {
     let side_m = CELLS_M[usize::from(is_wide)];
-    let yaw = (pose.yaw_rad.rem_euclid(TAU) / CELL_RAD).round() as i64;
-    let x = (pose.x_m / side_m).round() as i64;
+    let yaw = (pose.yaw_rad.rem_euclid(TAU) / CELL_RAD).round().to_i64();
+    let x = (pose.x_m / side_m).round().to_i64();
     [
         2 * x + i64::from(is_wide),
-        (pose.y_m / side_m).round() as i64,
+        (pose.y_m / side_m).round().to_i64(),
         yaw,
     ]
 }

@@ -10,6 +10,7 @@
 //! that looks at nothing.
 
 use nalgebra::{Isometry2, Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::scan::Scan;
 
@@ -134,12 +135,7 @@ impl Look<'_> {
         let beam = (turned_rad * step_rad.signum() + 0.5 * step_rad.abs())
             .rem_euclid(core::f64::consts::TAU)
             / step_rad.abs();
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "not negative, and compared with the number of beams"
-        )]
-        let beam = beam as usize;
+        let beam = beam.to_usize();
         (beam < self.ranges.len()).then_some(beam)
     }
 }
@@ -232,7 +228,6 @@ impl Blindness {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few beams")]
 fn share(some: usize, of: usize) -> f64 {
-    some as f64 / of as f64
+    some.to_f64() / of.to_f64()
 }

@@ -11,6 +11,7 @@
 
 use core::f64::consts::TAU;
 use nalgebra::{Isometry2, Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::scan::{BEAMS_MAX, Scan};
 use zeronav_msgs::time::seconds;
@@ -158,8 +159,7 @@ impl Looked {
 
     /// All beams are there.
     pub(crate) fn end(&mut self) {
-        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-        let beams_rad = self.ends.len() as f64 * self.step_rad;
+        let beams_rad = self.ends.len().to_f64() * self.step_rad;
         self.is_round = (beams_rad - TAU).abs() < self.step_rad;
         let n = self.ends.len();
         // Neighbouring beams are compared once. Not a number = one of them hit nothing.
@@ -359,7 +359,6 @@ impl Looked {
 }
 
 /// Beams of any scan and a few beside.
-#[allow(clippy::cast_possible_truncation, reason = "clamped")]
 fn rounded(beam: f64) -> i32 {
-    beam.round().clamp(-1.0e6, 1.0e6) as i32
+    beam.round().clamp(-1.0e6, 1.0e6).to_i32()
 }

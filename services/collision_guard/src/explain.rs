@@ -3,6 +3,7 @@
 
 use crate::sweep::Nearest;
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::description::Description;
 
@@ -43,13 +44,7 @@ fn beam_towards(description: &Description, point: Vector2<f64>) -> u16 {
     if !(0.0..f64::from(description.n_beams)).contains(&beam) {
         return 0;
     }
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "within the number of beams, 4096 at most"
-    )]
-    let number = beam as u16 + 1;
-    number
+    beam.to_u16() + 1
 }
 
 #[cfg(test)]

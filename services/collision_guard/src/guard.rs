@@ -11,6 +11,7 @@ use crate::verdict::{Decider, Mover, Verdict};
 use crate::view::View;
 use crate::watch::{FrozenScan, OdometrySense, Order};
 use crate::zones::{Held, ZoneRules};
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
@@ -421,8 +422,7 @@ fn is_usable(scan: &Scan, ranges: &[f32], description: &Description) -> bool {
         && valid_share(ranges) >= VALID_SHARE_MIN
 }
 
-#[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
 fn valid_share(ranges: &[f32]) -> f64 {
     let valid = ranges.iter().filter(|range| !range.is_nan()).count();
-    valid as f64 / ranges.len() as f64
+    valid.to_f64() / ranges.len().to_f64()
 }

@@ -14,6 +14,7 @@ use crate::limits::Limits;
 use crate::verdict::{LEAD_S, STARTS, fastest_free};
 use core::f64::consts::TAU;
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::description::{Corner, Description};
 use zeronav_msgs::map::MapInfo;
@@ -342,13 +343,8 @@ impl Way<'_> {
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to small positive numbers"
-)]
 fn count(n: f64) -> u32 {
-    n as u32
+    n.to_u32()
 }
 
 #[cfg(test)]

@@ -8,12 +8,6 @@
 //! Ratios are sums of times over the questions, theirs by ours: above 1 we are faster.
 
 #![allow(clippy::print_stdout, reason = "it is a table")]
-#![allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    reason = "positions within a side, numbers of questions, costs of at most 21 cells"
-)]
 
 mod common;
 #[path = "../tests/support/mod.rs"]
@@ -148,7 +142,6 @@ fn with_pathfinding(set: &Set, map: MapView<'_>, cost_weight: f64) -> (f64, Vec<
                     let price = legal.then(|| map.get(to))?.map(|cell| cell.cost)?;
                     let step = if n % 2 == 0 { STRAIGHT } else { DIAGONAL };
                     let cost = (f64::from(step) * prices[usize::from(price)]).round();
-                    #[allow(clippy::cast_sign_loss, reason = "prices are positive")]
                     let cost = cost as u32;
                     Some(((to.x, to.y), cost))
                 })

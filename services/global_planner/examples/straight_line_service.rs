@@ -10,6 +10,7 @@
 
 use nalgebra::Point2;
 use std::process::ExitCode;
+use zeronav_casts::Cast;
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::path::{Path, PathCause, PathStatus, Waypoint};
 use zeronav_msgs::pose::{Pose, wrap_angle};
@@ -119,7 +120,6 @@ impl StraightLine {
 
 /// The ends of a line on which no cell blocks the robot's centre. Samples at least twice per cell
 /// width, so that it misses nothing but a cut through a cell's corner.
-#[allow(clippy::cast_possible_truncation, reason = "directions are f32")]
 fn straight(map: &MapView<'_>, start: Point2<f64>, end: &Pose) -> Option<Vec<Waypoint>> {
     let way = end.point() - start;
     let looks = 4 * map.geometry.width.max(map.geometry.height);
@@ -129,12 +129,12 @@ fn straight(map: &MapView<'_>, start: Point2<f64>, end: &Pose) -> Option<Vec<Way
         (!cell.blocks_centre()).then(|| Waypoint {
             x_m: at.x,
             y_m: at.y,
-            yaw_rad: way.y.atan2(way.x) as f32,
-            clearance_m: cell.clearance_m() as f32,
+            yaw_rad: way.y.atan2(way.x).to_f32(),
+            clearance_m: cell.clearance_m().to_f32(),
         })
     };
     let mut line: Vec<Waypoint> = (0..=looks).map(waypoint).collect::<Option<_>>()?;
-    line.last_mut()?.yaw_rad = wrap_angle(end.yaw_rad) as f32;
+    line.last_mut()?.yaw_rad = wrap_angle(end.yaw_rad).to_f32();
     line.drain(1..line.len() - 1);
     Some(line)
 }

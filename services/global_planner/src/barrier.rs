@@ -10,6 +10,7 @@ use crate::bucket_queue::BucketQueue;
 use crate::moves::STEPS;
 use crate::plan::Blocked;
 use crate::planner::{CornerRule, PlanQuery};
+use zeronav_casts::Cast;
 use zeronav_msgs::Cell;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_STATIC, ObstacleSource};
 
@@ -45,11 +46,6 @@ pub(crate) struct Barrier {
 impl Barrier {
     /// The tightest cell of what closes the way; `None` when the ends are not on the map or too far
     /// apart.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        reason = "a map has at most 2^26 cells, steps are fewer than 16"
-    )]
     pub(crate) fn find(&mut self, query: &PlanQuery<'_>) -> Option<Blocked> {
         let geometry = query.map.geometry;
         let blockers = Blockers::of(query.map);
@@ -63,7 +59,7 @@ impl Barrier {
         self.steps.clear();
         self.steps.resize(query.map.cells.len(), UNSEEN);
         self.open.reset(0, STATIC + DIAGONAL);
-        let item = |index: usize, step: u8| (index as u32) << STEP_BITS | u32::from(step);
+        let item = |index: usize, step: u8| index.to_u32() << STEP_BITS | u32::from(step);
         self.open.push(0, item(geometry.index_of(start)?, START));
         let mut settled = 0;
         while let Some((cost, entry)) = self.open.pop_with_key() {
@@ -72,7 +68,7 @@ impl Barrier {
                 continue;
             }
             self.steps[index] = (entry & ((1 << STEP_BITS) - 1)) as u8;
-            let from = Cell::new(index as i32 % width, index as i32 / width);
+            let from = Cell::new(index.to_i32() % width, index.to_i32() / width);
             if is_end(query, goal, from) {
                 return self.tightest(query, &blockers, from);
             }
@@ -87,7 +83,7 @@ impl Barrier {
                 {
                     let step = if n % 2 == 0 { STRAIGHT } else { DIAGONAL };
                     let cost = cost + step + obstacle_cost(query, &blockers, to);
-                    self.open.push(cost, item(next, n as u8));
+                    self.open.push(cost, item(next, n.to_u8()));
                 }
             }
         }

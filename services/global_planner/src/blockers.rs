@@ -2,6 +2,7 @@
 //! what the lidar saw or tracks besides it, which may go.
 
 use crate::plan::Blocked;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, ObstacleSource};
 use zeronav_msgs::{Cell, MapView};
 
@@ -20,7 +21,6 @@ pub(crate) struct Blockers<'a> {
 
 impl<'a> Blockers<'a> {
     /// Reads from the map how far its obstacles reach.
-    #[allow(clippy::cast_possible_truncation, reason = "clamped")]
     pub(crate) fn of(map: MapView<'a>) -> Self {
         let closed = map.cells.iter().filter(|it| it.cost == COST_INSCRIBED);
         let least_mm = closed.map(|it| it.clearance_mm).max().unwrap_or(0);
@@ -28,7 +28,7 @@ impl<'a> Blockers<'a> {
         Self {
             map,
             least_mm,
-            reach: reach.min(f64::from(REACH_CELLS_MAX)) as i32,
+            reach: reach.min(f64::from(REACH_CELLS_MAX)).to_i32(),
         }
     }
 

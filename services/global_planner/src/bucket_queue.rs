@@ -6,6 +6,8 @@
 //! of bit sets find the next bucket. A binary heap does the same with `log n` cache misses per
 //! operation and was two to three times slower on costmaps.
 
+use zeronav_casts::Cast;
+
 const NONE: u32 = u32::MAX;
 
 #[derive(Debug, Clone, Copy)]
@@ -57,10 +59,6 @@ impl BucketQueue {
 
     /// Adds `item`. `key` is at least that of the last item popped and within the span of it.
     #[inline]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "entries are fewer than eight per cell, and a map has at most 2^26 cells"
-    )]
     pub(crate) fn push(&mut self, key: u32, item: u32) {
         debug_assert!(key >= self.key, "keys never fall");
         debug_assert!(key - self.key <= self.mask, "keys stay within the span");
@@ -68,7 +66,7 @@ impl BucketQueue {
         let next = self.heads[bucket as usize];
         let entry = if self.free == NONE {
             self.entries.push(Entry { item, next });
-            (self.entries.len() - 1) as u32
+            (self.entries.len() - 1).to_u32()
         } else {
             let entry = self.free;
             let slot = &mut self.entries[entry as usize];
@@ -133,18 +131,14 @@ impl BucketQueue {
 
     /// The first bucket that is not empty, from `position` round the ring.
     #[inline]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "bucket numbers come from a u32"
-    )]
     fn next_bucket(&self, position: u32) -> Option<u32> {
         let word = position as usize >> 6;
         let here = self.full[word] & (u64::MAX << (position & 63));
         if here != 0 {
-            return Some((word as u32) << 6 | here.trailing_zeros());
+            return Some(word.to_u32() << 6 | here.trailing_zeros());
         }
         let word = self.next_word(word + 1).or_else(|| self.next_word(0))?;
-        Some((word as u32) << 6 | self.full[word].trailing_zeros())
+        Some(word.to_u32() << 6 | self.full[word].trailing_zeros())
     }
 
     /// The first word of `full` from `from` on that is not 0.

@@ -7,6 +7,7 @@ use crate::line::supercover;
 use crate::moves::price;
 use crate::planner::{CornerRule, Unknown};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::COST_UNKNOWN;
 use zeronav_msgs::{Cell, GridGeometry, MapView};
 
@@ -72,10 +73,6 @@ impl Default for Corridor {
 impl Corridor {
     /// Becomes the corridor of the path that is straight between the centres of `cells`. The
     /// robot is at its start. Cells outside the map are left out.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "maps have at most 2^26 cells, lengths need no more than single precision"
-    )]
     pub fn set(&mut self, map: &MapView<'_>, legality: Legality, cells: &[Cell]) {
         self.geometry = *map.geometry;
         self.legality = legality;
@@ -97,7 +94,7 @@ impl Corridor {
                 let corner = crossing.touched.map(|_| [from.x < to.x, from.y < to.y]);
                 let length_m = (crossing.leaves - crossing.enters) * line_m;
                 let leaves_m = arc_m + crossing.leaves * line_m;
-                self.add(crossing.cell, corner, leaves_m as f32, length_m as f32);
+                self.add(crossing.cell, corner, leaves_m.to_f32(), length_m.to_f32());
             });
             arc_m += line_m;
             let corner = (map.geometry.centre_of(to), arc_m);
@@ -128,10 +125,6 @@ impl Corridor {
         self.progress_m = 0.0;
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "maps have at most 2^26 cells"
-    )]
     fn add(&mut self, cell: Cell, ascends: Option<[bool; 2]>, leaves_m: f32, length_m: f32) {
         let Some(index) = self.geometry.index_of(cell) else {
             return;
@@ -140,12 +133,12 @@ impl Corridor {
         let corner = ascends.map_or([0, 0], |ascends| ascends.map(|up| if up { -1 } else { 1 }));
         match self.pieces.last_mut() {
             // Two lines meet in the middle of a cell.
-            Some(last) if last.index == index as u32 && corner == [0, 0] => {
+            Some(last) if last.index == index.to_u32() && corner == [0, 0] => {
                 last.leaves_m = leaves_m;
                 last.length_m += length_m;
             }
             _ => self.pieces.push(Piece {
-                index: index as u32,
+                index: index.to_u32(),
                 corner,
                 leaves_m,
                 length_m,

@@ -42,6 +42,7 @@ use open_list::HeapQueue;
 use prices::Prices;
 use raise_state::Raise;
 use run::{FIELD, FIELD_AND_BOX, OCTILE, Run, WEIGHTED, Within};
+use zeronav_casts::Cast;
 
 use crate::bucket_queue::BucketQueue;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, price};
@@ -432,11 +433,6 @@ impl GoalField {
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "prices lie between 1 and 21"
-)]
 fn rounded(step: u32, price: f64) -> u32 {
-    (f64::from(step) * price).round() as u32
+    (f64::from(step) * price).round().to_u32()
 }

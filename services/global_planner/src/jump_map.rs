@@ -7,6 +7,7 @@
 use crate::bits::{BitMap, Lines};
 use crate::ground::FreeCells;
 use crate::planner::Unknown;
+use zeronav_casts::Cast;
 use zeronav_msgs::{CellRect, MapView};
 
 /// Lines with their stops in both directions.
@@ -166,17 +167,12 @@ impl JumpMap {
             .sum();
         let rows = self.bits.rows();
         let cells = (rows.length() * rows.count()).max(1);
-        #[allow(clippy::cast_precision_loss, reason = "maps have at most 2^26 cells")]
-        let cells = cells as f64;
+        let cells = cells.to_f64();
         f64::from(forced) / cells
     }
 }
 
 #[inline]
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "positions lie within a side of the map"
-)]
 fn up(lines: &Lines, stops: &[u64], line: u32, from: u32, goal: Option<u32>) -> Option<u32> {
     let base = line as usize * lines.stride();
     let first = from + 1;
@@ -186,7 +182,7 @@ fn up(lines: &Lines, stops: &[u64], line: u32, from: u32, goal: Option<u32>) -> 
         word += 1;
         bits = stops[base + word];
     }
-    let stop = (word as u32) << 6 | bits.trailing_zeros();
+    let stop = word.to_u32() << 6 | bits.trailing_zeros();
     if let Some(goal) = goal.filter(|goal| (first..=stop).contains(goal)) {
         return Some(goal);
     }
@@ -194,10 +190,6 @@ fn up(lines: &Lines, stops: &[u64], line: u32, from: u32, goal: Option<u32>) -> 
 }
 
 #[inline]
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "positions lie within a side of the map"
-)]
 fn down(lines: &Lines, stops: &[u64], line: u32, from: u32, goal: Option<u32>) -> Option<u32> {
     let base = line as usize * lines.stride();
     let first = from - 1;
@@ -207,7 +199,7 @@ fn down(lines: &Lines, stops: &[u64], line: u32, from: u32, goal: Option<u32>) -
         word -= 1;
         bits = stops[base + word];
     }
-    let stop = (word as u32) << 6 | bits.ilog2();
+    let stop = word.to_u32() << 6 | bits.ilog2();
     if let Some(goal) = goal.filter(|goal| (stop..=first).contains(goal)) {
         return Some(goal);
     }

@@ -10,6 +10,7 @@ use crate::planner::{CellPath, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
+use zeronav_casts::{Cast, low_u32};
 
 /// Expansions between two looks at the budget; jumps can be long.
 const BUDGET_EVERY: u64 = 256;
@@ -115,11 +116,7 @@ impl Jumps {
         let n_nodes = (rows.length() + 2) * (rows.count() + 2);
         self.pool.begin(n_nodes, GENERATION_BITS);
         self.open.clear();
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "positions lie within a side of the map"
-        )]
-        let width = (rows.length() + 2) as u32;
+        let width = (rows.length() + 2).to_u32();
         let mut run = Run {
             map,
             nodes: &mut self.pool.nodes,
@@ -218,11 +215,7 @@ impl Run<'_> {
         }
         while let Some(Reverse(item)) = self.open.pop() {
             stats.peak_open = stats.peak_open.max(self.open.len() as u64 + 1);
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "the low half is the spot, as pushed"
-            )]
-            let spot = item as u32;
+            let spot = low_u32(item);
             let node = &mut self.nodes[spot as usize];
             let directions = node.meta & 0xf;
             if directions == 0 {

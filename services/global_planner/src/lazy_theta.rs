@@ -19,6 +19,7 @@ use crate::search::Found;
 use crate::sight::sees;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
+use zeronav_casts::{Cast, low_u32};
 use zeronav_msgs::{CellRect, MapView};
 
 /// Expansions between two looks at the budget; lines of sight can be long.
@@ -143,11 +144,7 @@ impl Run<'_> {
         stats.generated += 1;
         while let Some(Reverse(next)) = self.open.pop() {
             stats.peak_open = stats.peak_open.max(self.open.len() as u64 + 1);
-            #[allow(
-                clippy::cast_possible_truncation,
-                reason = "the low half is the position, as pushed"
-            )]
-            let at = unpack(next as u32);
+            let at = unpack(low_u32(next));
             let index = self.index(at);
             if self.nodes[index].meta & 1 != 0 {
                 continue;
@@ -260,19 +257,13 @@ impl GlobalPlanner for LazyTheta {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "positions lie within a side")]
 fn apart(one: (u32, u32), other: (u32, u32)) -> f32 {
     let (dx, dy) = (one.0.abs_diff(other.0), one.1.abs_diff(other.1));
-    ((dx * dx + dy * dy) as f32).sqrt()
+    (dx * dx + dy * dy).to_f32().sqrt()
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "saturates, and no way is that long"
-)]
 fn item(key: f32, at: (u32, u32)) -> Reverse<u64> {
-    Reverse(((key * KEY_PARTS) as u64) << 32 | u64::from(pack(at)))
+    Reverse((key * KEY_PARTS).to_u64() << 32 | u64::from(pack(at)))
 }
 
 const fn pack((x, y): (u32, u32)) -> u32 {

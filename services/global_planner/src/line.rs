@@ -4,6 +4,7 @@
 //! is possible because both ends are centres; a line through the corner of four cells is told
 //! apart from one that misses it.
 
+use zeronav_casts::Cast;
 use zeronav_msgs::Cell;
 
 /// A cell of a line.
@@ -64,12 +65,8 @@ pub fn supercover(from: Cell, to: Cell, mut visit: impl FnMut(Crossing)) {
     visit(now);
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "both are below twice the side of a map"
-)]
 fn fraction(border: i64, n: i64) -> f64 {
-    (2 * border + 1) as f64 / (2 * n) as f64
+    (2 * border + 1).to_f64() / (2 * n).to_f64()
 }
 
 #[cfg(test)]

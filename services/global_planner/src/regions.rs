@@ -7,6 +7,7 @@
 
 use crate::bits::{BitMap, Lines, STRIP};
 use crate::planner::CornerRule;
+use zeronav_casts::Cast;
 
 /// Free cells `from..to` of a row, padded.
 #[derive(Debug, Clone, Copy)]
@@ -141,10 +142,6 @@ impl Regions {
 
 impl Strip {
     /// Reads strip `n` of the rows.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "positions lie within a side, runs are fewer than cells"
-    )]
     fn read(&mut self, lines: &Lines, n: usize, corners: bool, parents: &mut Vec<u32>) {
         self.runs.clear();
         self.rows.clear();
@@ -152,25 +149,25 @@ impl Strip {
         let mut above = 0..0;
         for line in n * STRIP..lines.count_padded().min((n + 1) * STRIP) {
             let first = self.runs.len();
-            self.rows.push(first as u32);
+            self.rows.push(first.to_u32());
             cut(lines.line(line), &mut self.runs);
             let here = first..self.runs.len();
-            parents.extend(here.start as u32..here.end as u32);
+            parents.extend(here.start.to_u32()..here.end.to_u32());
             let (one, other) = (&self.runs[above.clone()], &self.runs[here.clone()]);
             touching(one, other, corners, |one, other| {
                 join(
                     parents,
-                    (above.start + one) as u32,
-                    (here.start + other) as u32,
+                    (above.start + one).to_u32(),
+                    (here.start + other).to_u32(),
                 );
             });
             above = here;
         }
-        self.rows.push(self.runs.len() as u32);
+        self.rows.push(self.runs.len().to_u32());
         self.n_regions = 0;
         for n in 0..self.runs.len() {
             // A root comes before those that were joined to it.
-            let root = root(parents, n as u32) as usize;
+            let root = root(parents, n.to_u32()) as usize;
             if root == n {
                 self.runs[n].region = self.n_regions;
                 self.n_regions += 1;
@@ -194,10 +191,6 @@ impl Strip {
 }
 
 /// Cuts a row into runs of free cells, and appends these.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "positions lie within a side of the map"
-)]
 fn cut(row: &[u64], runs: &mut Vec<Run>) {
     let mut from = None;
     for (n, word) in row.iter().enumerate() {
@@ -205,7 +198,7 @@ fn cut(row: &[u64], runs: &mut Vec<Run>) {
         let carry = u64::from(from.is_none());
         let mut edges = word ^ (word << 1 | carry);
         while edges != 0 {
-            let position = n as u32 * 64 + edges.trailing_zeros();
+            let position = n.to_u32() * 64 + edges.trailing_zeros();
             edges &= edges - 1;
             from = match from {
                 None => Some(position),

@@ -8,6 +8,7 @@ use crate::bucket_queue::BucketQueue;
 use crate::moves::{DIAGONAL, STEPS, STRAIGHT, octile, price};
 use crate::node_pool::NodePool;
 use crate::planner::{Control, CornerRule, Expansions, PlanStats, Unknown};
+use zeronav_casts::Cast;
 use zeronav_msgs::map::COST_UNKNOWN;
 use zeronav_msgs::{Cell, MapCell, MapView};
 
@@ -81,17 +82,12 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "prices lie between 1 and 21"
-    )]
     pub(crate) fn new(cost_weight: f64) -> Self {
         let mut steps = [[0; 256]; 2];
         for (cost, (straight, diagonal)) in (0..=u8::MAX).map(|cost| (cost, (STRAIGHT, DIAGONAL))) {
             let price = price(cost, cost_weight);
-            steps[0][usize::from(cost)] = (f64::from(straight) * price).round() as u32;
-            steps[1][usize::from(cost)] = (f64::from(diagonal) * price).round() as u32;
+            steps[0][usize::from(cost)] = (f64::from(straight) * price).round().to_u32();
+            steps[1][usize::from(cost)] = (f64::from(diagonal) * price).round().to_u32();
         }
         // A key exceeds that of the node it came from by the step and what the heuristic rises.
         let span = steps[1].iter().max().copied().unwrap_or(DIAGONAL) + DIAGONAL;

@@ -12,6 +12,7 @@ use crate::line::supercover;
 use crate::papers::spline::{SplineEnds, point_on, segments};
 use crate::planner::{CellPath, PlanQuery};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::Cell;
 use zeronav_msgs::path::WAYPOINTS_MAX;
 
@@ -89,12 +90,6 @@ impl Smooth {
     }
 
     /// Reads the path; the number of its intervals.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a path has fewer intervals than cells"
-    )]
     fn read(&mut self, query: &PlanQuery<'_>, spacing_m: f64, cells: &[Cell]) -> usize {
         let geometry = query.map.geometry;
         self.corners.clear();
@@ -111,8 +106,8 @@ impl Smooth {
             self.corners.push((at, arc_m));
         }
         let spacing_m = spacing_m.max(geometry.resolution_m);
-        let n = ((arc_m / spacing_m).round() as usize).max(2);
-        let interval = |at_m: f64| ((at_m / arc_m * n as f64) as usize).min(n - 1);
+        let n = (arc_m / spacing_m).round().to_usize().max(2);
+        let interval = |at_m: f64| (at_m / arc_m * n.to_f64()).to_usize().min(n - 1);
         self.closeness.clear();
         self.closeness.resize(n, Closeness::Loose);
         self.dearest.clear();
@@ -151,10 +146,9 @@ impl Smooth {
 
     /// Places the control points: one at the beginning of each interval, three where it or the
     /// one before is pinned, and three at every corner inside a pinned one.
-    #[allow(clippy::cast_precision_loss, reason = "numbers of intervals")]
     fn place(&mut self, n: usize) {
         let total_m = self.corners.last().map_or(0.0, |(_, arc_m)| *arc_m);
-        let step_m = total_m / n as f64;
+        let step_m = total_m / n.to_f64();
         self.control.clear();
         self.interval.clear();
         for k in 0..=n {
@@ -164,7 +158,7 @@ impl Smooth {
             } else {
                 1
             };
-            let from_m = step_m * k as f64;
+            let from_m = step_m * k.to_f64();
             let here = k.min(n - 1);
             self.control
                 .extend(core::iter::repeat_n(self.at(from_m), times));
@@ -283,17 +277,14 @@ impl Smooth {
 /// Appends the cells of the straight line between two points [cells, from the map's corner] of
 /// which `accept` says something; false when it says no of one of them, or of one that the line
 /// touches at a corner.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "positions lie on the map, some cells beside it at the most"
-)]
 fn trace(
     from: Point2<f64>,
     to: Point2<f64>,
     chain: &mut Vec<Cell>,
     accept: impl Fn(Cell) -> Option<bool>,
 ) -> bool {
-    let cell_of = |point: Point2<f64>| Cell::new(point.x.floor() as i32, point.y.floor() as i32);
+    let cell_of =
+        |point: Point2<f64>| Cell::new(point.x.floor().to_i32(), point.y.floor().to_i32());
     let (mut at, last) = (cell_of(from), cell_of(to));
     let along = to - from;
     let mut free = true;

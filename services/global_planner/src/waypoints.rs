@@ -1,6 +1,7 @@
 //! A path of cells as the waypoints of `plan/path`.
 
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::path::{WAYPOINTS_MAX, Waypoint};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::{Cell, MapView, Pose};
@@ -106,7 +107,6 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
-    #[allow(clippy::cast_possible_truncation, reason = "the wire is f32")]
     fn push(&mut self, at: Point2<f64>) -> Result<(), TooLong> {
         if self.waypoints.len() == WAYPOINTS_MAX {
             self.waypoints.clear();
@@ -121,14 +121,13 @@ impl Line<'_> {
             x_m: at.x,
             y_m: at.y,
             yaw_rad: 0.0,
-            clearance_m: cell.map_or(0.0, |cell| cell.clearance_m() as f32),
+            clearance_m: cell.map_or(0.0, |cell| cell.clearance_m().to_f32()),
         });
         Ok(())
     }
 }
 
 /// Turns every waypoint to the next and sums up the length. [m]
-#[allow(clippy::cast_possible_truncation, reason = "the wire is f32")]
 fn turn(waypoints: &mut [Waypoint], goal: &Pose) -> f64 {
     let mut length_m = 0.0;
     for n in 1..waypoints.len() {
@@ -136,11 +135,11 @@ fn turn(waypoints: &mut [Waypoint], goal: &Pose) -> f64 {
             waypoints[n].x_m - waypoints[n - 1].x_m,
             waypoints[n].y_m - waypoints[n - 1].y_m,
         );
-        waypoints[n - 1].yaw_rad = dy.atan2(dx) as f32;
+        waypoints[n - 1].yaw_rad = dy.atan2(dx).to_f32();
         length_m += dx.hypot(dy);
     }
     if let Some(last) = waypoints.last_mut() {
-        last.yaw_rad = wrap_angle(goal.yaw_rad) as f32;
+        last.yaw_rad = wrap_angle(goal.yaw_rad).to_f32();
     }
     length_m
 }

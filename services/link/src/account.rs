@@ -7,6 +7,7 @@ use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::io::Write;
+use zeronav_casts::Cast;
 use zeronav_shell::folder::Folder;
 use zeronav_shell::remote_seats::LINK_REPORT;
 
@@ -74,14 +75,13 @@ impl Account {
     }
 
     /// Writes the file.
-    #[allow(clippy::cast_precision_loss, reason = "figures for people")]
     pub fn write(&mut self, folder: &Folder, offset: Option<Offset>, lost: u64, now_ns: u64) {
-        self.ahead_us = offset.map(|offset| offset.ahead_ns as f64 / 1.0e3);
+        self.ahead_us = offset.map(|offset| offset.ahead_ns.to_f64() / 1.0e3);
         self.uncertainty_us = offset.map(|offset| micros(offset.uncertainty_ns));
         self.lost = lost;
-        self.time_s = now_ns.saturating_sub(self.since_ns) as f64 / 1.0e9;
+        self.time_s = now_ns.saturating_sub(self.since_ns).to_f64() / 1.0e9;
         let used = clock_gettime(ClockId::ProcessCPUTime);
-        self.processor_s = used.tv_sec as f64 + used.tv_nsec as f64 / 1.0e9;
+        self.processor_s = used.tv_sec.to_f64() + used.tv_nsec.to_f64() / 1.0e9;
         let written = self.replace(folder);
         if let Err(error) = &written
             && !self.is_unwritten
@@ -101,7 +101,6 @@ impl Account {
 }
 
 /// Nanoseconds in microseconds.
-#[allow(clippy::cast_precision_loss, reason = "a figure for people")]
 fn micros(ns: u64) -> f64 {
-    ns as f64 / 1.0e3
+    ns.to_f64() / 1.0e3
 }

@@ -3,6 +3,8 @@
 //! Source: the clock filter of NTP (Mills, RFC 5905, section 10): of the last exchanges the one with the
 //! shortest way tells most, and half of its way bounds the error.
 
+use zeronav_casts::Cast;
+
 /// Exchanges that are kept.
 const KEPT: usize = 16;
 
@@ -113,14 +115,8 @@ impl ClockFilter {
 }
 
 /// How far two clocks may have drifted apart. [ns]
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a bound of nanoseconds; float to int saturates"
-)]
 fn drifted_ns(since_ns: u64) -> u64 {
-    (since_ns as f64 * DRIFT).ceil() as u64
+    (since_ns.to_f64() * DRIFT).ceil().to_u64()
 }
 
 #[cfg(test)]

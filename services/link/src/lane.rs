@@ -339,6 +339,7 @@ impl core::fmt::Debug for Lane {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeronav_casts::low_u32;
     use zeronav_msgs::header::{Id, Stamps};
     use zeronav_msgs::odometry::Odometry;
     use zeronav_msgs::run::RunMode;
@@ -348,8 +349,7 @@ mod tests {
     fn header<T: Topic>(role: Role) -> Header {
         Header {
             role: role.code(),
-            #[allow(clippy::cast_possible_truncation, reason = "the low 32 bits are meant")]
-            schema: T::ROW.schema as u32,
+            schema: low_u32(T::ROW.schema),
             id: Id::new(3, 5).0,
             capture_ns: 70,
             stamps: Stamps {

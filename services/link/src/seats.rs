@@ -9,6 +9,7 @@ use crate::lane::{Author, Parts};
 use crate::socket::Sitter;
 use bytemuck::{bytes_of, pod_read_unaligned};
 use std::collections::BTreeMap;
+use zeronav_casts::low_u32;
 use zeronav_msgs::header::{Header, Id, Stamps};
 use zeronav_msgs::health::{Health, HealthState, REASON_LINK};
 use zeronav_msgs::role::Role;
@@ -103,10 +104,9 @@ impl Hearts {
                 pid: sitter.pid,
                 ..heart.last
             };
-            #[allow(clippy::cast_possible_truncation, reason = "the low 32 bits are meant")]
             let header = Header {
                 role: sitter.seat.role,
-                schema: row.schema as u32,
+                schema: low_u32(row.schema),
                 id: Id::new(sitter.seat.epoch, 0).0,
                 stamps: Stamps {
                     woken_ns: now_ns,
@@ -160,10 +160,9 @@ mod tests {
 
     fn beat(progress: u64, state: HealthState) -> Parts {
         let row = health_of(Role::Mapping).expect("a heart");
-        #[allow(clippy::cast_possible_truncation, reason = "the low 32 bits are meant")]
         let header = Header {
             role: Role::Mapping.code(),
-            schema: row.schema as u32,
+            schema: low_u32(row.schema),
             id: Id::new(2, 900).0,
             ..Header::default()
         };

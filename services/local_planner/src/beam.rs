@@ -37,6 +37,7 @@ use crate::record::{DrawnRollout, Record};
 use node::{Blocked, Node};
 use space::{LOOKS, Space};
 use visited::Visited;
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 use zeronav_msgs::rollouts::RolloutOutcome;
@@ -325,8 +326,7 @@ impl Search {
 
     /// Makes the best nodes of the current layer, one in a cell, the next layer.
     fn keep_the_best(&mut self, depth: usize, fastest_mps: f32) -> core::ops::Range<usize> {
-        #[allow(clippy::cast_precision_loss, reason = "a handful")]
-        let depth = depth as f32;
+        let depth = depth.to_f32();
         let fresh = &self.fresh;
         self.order.clear();
         self.order.extend((0_u32..).take(fresh.len()));

@@ -10,16 +10,9 @@
 //! queue is a ring of buckets that wide (Denardo and Fox 1979, "Shortest-Route Methods: 1"), each
 //! emptied in any order, and the costs are those of a heap.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "indices of a window of at most 160 x 160 cells, clamped before use"
-)]
-
 use crate::progress::{PathTracker, Place};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::MapView;
 use zeronav_msgs::path::Waypoint;
 
@@ -113,20 +106,20 @@ impl CostToGo {
         let stride = (CELL_M / geometry.resolution_m).ceil().max(1.0);
         let cell_m = stride * geometry.resolution_m;
         let half =
-            ((REACH_SHARE * inputs.reach_m / cell_m).ceil() as i32 + 2).min(SIDE_MAX / 2 - 1);
+            ((REACH_SHARE * inputs.reach_m / cell_m).ceil().to_i32() + 2).min(SIDE_MAX / 2 - 1);
         let key = Key {
             geometry: inputs.geometry,
             cells: inputs.map_cells,
             half,
         };
         let at = inputs.position;
-        let stride = stride as i32;
+        let stride = stride.to_i32();
         let cell = geometry.unbounded_cell_at(at);
         let block = (cell.x.div_euclid(stride), cell.y.div_euclid(stride));
         let drifted = (block.0 - self.made_at.0)
             .abs()
             .max((block.1 - self.made_at.1).abs());
-        let inner = (inputs.reach_m / cell_m).ceil() as i32;
+        let inner = (inputs.reach_m / cell_m).ceil().to_i32();
         let near = drifted <= (half - inner).max(2);
         if self.key == Some(key) && near {
             return false;
@@ -159,7 +152,7 @@ impl CostToGo {
 
     /// Cost factors of all cells: a block is as free as its freest cell.
     fn weigh(&mut self, inputs: &CostToGoInputs<'_>, first: (i32, i32), stride: i32) {
-        let side = self.side as usize;
+        let side = self.side.to_usize();
         let soft_m = inputs.inscribed_m + inputs.soft_m;
         let (width, height) = inputs.map.geometry.size();
         // Freest cell of every block, first; beside the map nothing is free.
@@ -168,20 +161,20 @@ impl CostToGo {
         let from_x = (first.0 * stride).max(0);
         let to_x = ((first.0 + self.side) * stride).min(width);
         for (row, freest) in self.factors.chunks_exact_mut(side).enumerate() {
-            let top = (first.1 + row as i32) * stride;
+            let top = (first.1 + row.to_i32()) * stride;
             for y in top.max(0)..(top + stride).min(height) {
                 if from_x >= to_x {
                     break;
                 }
-                let start = y as usize * width as usize;
-                let cells = start + from_x as usize..start + to_x as usize;
+                let start = y.to_usize() * width.to_usize();
+                let cells = start + from_x.to_usize()..start + to_x.to_usize();
                 let Some(cells) = inputs.map.cells.get(cells) else {
                     continue;
                 };
                 let mut block = (from_x - first.0 * stride) / stride;
                 let mut left = stride - (from_x - first.0 * stride) % stride;
                 for cell in cells {
-                    let freest = &mut freest[block as usize];
+                    let freest = &mut freest[block.to_usize()];
                     *freest = (*freest).max(cell.clearance_mm);
                     left -= 1;
                     if left == 0 {
@@ -196,17 +189,17 @@ impl CostToGo {
             *factor = if clearance_m < inputs.inscribed_m {
                 0
             } else {
-                256 + (512.0 * near * near) as u16
+                256 + (512.0 * near * near).to_u16()
             };
         }
     }
 
     /// Index of the cell that holds a point of the map frame.
     fn index_of(&self, at: Point2<f64>) -> Option<usize> {
-        let column = ((at.x - self.origin.x) / self.cell_m).round() as i32;
-        let row = ((at.y - self.origin.y) / self.cell_m).round() as i32;
+        let column = ((at.x - self.origin.x) / self.cell_m).round().to_i32();
+        let row = ((at.y - self.origin.y) / self.cell_m).round().to_i32();
         let inside = column >= 0 && row >= 0 && column < self.side && row < self.side;
-        inside.then_some((row * self.side + column) as usize)
+        inside.then(|| (row * self.side + column).to_usize())
     }
 
     /// Gathers the path's points in the window.
@@ -224,10 +217,12 @@ impl CostToGo {
             if let Some(index) = self.index_of(at)
                 && self.factors[index] > 0
             {
-                let cost = ((length_m - arc_m) / self.cell_m * 1000.0).min(4.0e9) as u32;
+                let cost = ((length_m - arc_m) / self.cell_m * 1000.0)
+                    .min(4.0e9)
+                    .to_u32();
                 if cost < self.costs[index] {
                     self.costs[index] = cost;
-                    self.seeds.push((cost, index as u32));
+                    self.seeds.push((cost, index.to_u32()));
                 }
             }
             if arc_m >= until_m {
@@ -267,10 +262,10 @@ impl CostToGo {
             bucket += 1;
         }
         self.to_go.clear();
-        let thousandth_m = (self.cell_m * 1.0e-3) as f32;
+        let thousandth_m = (self.cell_m * 1.0e-3).to_f32();
         self.to_go.extend(self.costs.iter().map(|cost| match *cost {
             UNREACHED => f32::INFINITY,
-            cost => cost as f32 * thousandth_m,
+            cost => cost.to_f32() * thousandth_m,
         }));
     }
 
@@ -279,13 +274,13 @@ impl CostToGo {
         if cost > self.costs[index] {
             return;
         }
-        let (column, row) = (index as i32 % self.side, index as i32 / self.side);
+        let (column, row) = (index.to_i32() % self.side, index.to_i32() / self.side);
         for (dx, dy, length) in STEPS {
             let (x, y) = (column + dx, row + dy);
             if x < 0 || y < 0 || x >= self.side || y >= self.side {
                 continue;
             }
-            let next = (y * self.side + x) as usize;
+            let next = (y * self.side + x).to_usize();
             let factor = u32::from(self.factors[next]);
             if factor == 0 {
                 continue;
@@ -293,7 +288,7 @@ impl CostToGo {
             let through = cost.saturating_add(length * factor / 256);
             if through < self.costs[next] {
                 self.costs[next] = through;
-                self.ring[(through / BUCKET) as usize % BUCKETS].push((through, next as u32));
+                self.ring[(through / BUCKET) as usize % BUCKETS].push((through, next.to_u32()));
                 *waiting += 1;
             }
         }
@@ -302,15 +297,15 @@ impl CostToGo {
     /// The way to go from a point of the map frame, bilinear where all four neighbours know it;
     /// `None` where no free way is known. [m]
     pub(crate) fn at(&self, point: Point2<f64>) -> Option<f32> {
-        let u = ((point.x - self.origin.x) / self.cell_m) as f32;
-        let v = ((point.y - self.origin.y) / self.cell_m) as f32;
-        let last = (self.side - 1) as f32;
+        let u = ((point.x - self.origin.x) / self.cell_m).to_f32();
+        let v = ((point.y - self.origin.y) / self.cell_m).to_f32();
+        let last = (self.side - 1).to_f32();
         if !(u >= 0.0 && v >= 0.0 && u < last && v < last) {
             return None;
         }
-        let (column, row) = (u as usize, v as usize);
-        let (fu, fv) = (u - column as f32, v - row as f32);
-        let side = self.side as usize;
+        let (column, row) = (u.to_usize(), v.to_usize());
+        let (fu, fv) = (u - column.to_f32(), v - row.to_f32());
+        let side = self.side.to_usize();
         let start = row * side + column;
         let quad = [start, start + 1, start + side, start + side + 1].map(|i| self.to_go[i]);
         let low = quad[0] + (quad[1] - quad[0]) * fu;

@@ -21,6 +21,7 @@ use crate::record::Record;
 use crate::rollout_scores::{Evaluate, Terms, TimedRolloutScore};
 use nalgebra::Point2;
 use options::DwaTConfig;
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::command::RequestCause;
 
@@ -206,11 +207,6 @@ fn judged_s(scene: &Scene<'_>, horizon_s: f64) -> f64 {
 }
 
 /// Whole steps in a time.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few dozen"
-)]
 fn steps_of(time_s: f64, step_s: f64) -> usize {
-    (time_s / step_s).round().max(0.0) as usize
+    (time_s / step_s).round().max(0.0).to_usize()
 }

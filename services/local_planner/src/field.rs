@@ -9,17 +9,10 @@
 //! The window is a little larger than needed and stays where it is while the robot drives inside it
 //! and neither the map nor the points (as they lie in the map) change.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "indices of a window of at most a few hundred cells, clamped before use"
-)]
-
 use crate::lanes::data::Sheet;
 use crate::lanes::{clearances, lower_block, settle_row};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::{GridGeometry, MapView, Pose};
 
 /// Clearance without any map. [m] Far more than any footprint needs.
@@ -89,14 +82,14 @@ impl ClearanceField {
         });
         let at_x = (map_from_base.x_m - origin_x) / resolution;
         let at_y = (map_from_base.y_m - origin_y) / resolution;
-        let inner = (half_m / resolution).ceil() as i32 + 2;
-        let half = (inner + (SPARE_M / resolution).ceil() as i32).min(SIDE_MAX / 2);
+        let inner = (half_m / resolution).ceil().to_i32() + 2;
+        let half = (inner + (SPARE_M / resolution).ceil().to_i32()).min(SIDE_MAX / 2);
         let source = Source {
             map: map.map(|(map, cells)| (*map.geometry, cells)),
             half,
             stamp_m,
         };
-        let base = (at_x.floor() as i32, at_y.floor() as i32);
+        let base = (at_x.floor().to_i32(), at_y.floor().to_i32());
         let within = |min: i32, at: i32| {
             let middle = min.saturating_add(half);
             at.abs_diff(middle) <= half.saturating_sub(inner).unsigned_abs()
@@ -111,16 +104,16 @@ impl ClearanceField {
         }
         self.side = 2 * half + 1;
         self.centre = (
-            (at_x - f64::from(self.min.0) - 0.5) as f32,
-            (at_y - f64::from(self.min.1) - 0.5) as f32,
+            (at_x - f64::from(self.min.0) - 0.5).to_f32(),
+            (at_y - f64::from(self.min.1) - 0.5).to_f32(),
         );
-        self.resolution_m = resolution as f32;
-        self.inverse = (1.0 / resolution) as f32;
+        self.resolution_m = resolution.to_f32();
+        self.inverse = (1.0 / resolution).to_f32();
         if stays {
             return false;
         }
         self.copy_map(map.map(|(map, _)| map), self.min.0, self.min.1);
-        self.stamp(points_in_base, map_from_base.yaw_rad, stamp_m as f32);
+        self.stamp(points_in_base, map_from_base.yaw_rad, stamp_m.to_f32());
         self.stamped.clear();
         let in_map = map_from_base.isometry();
         self.stamped
@@ -139,7 +132,7 @@ impl ClearanceField {
     }
 
     fn copy_map(&mut self, map: Option<MapView<'_>>, min_x: i32, min_y: i32) {
-        let side = self.side as usize;
+        let side = self.side.to_usize();
         self.cells.clear();
         let Some(map) = map else {
             self.cells.resize(side * side, FAR_M);
@@ -152,10 +145,10 @@ impl ClearanceField {
         if from_x >= to_x {
             return;
         }
-        let n = (to_x - from_x) as usize;
+        let n = (to_x - from_x).to_usize();
         for y in from_y..to_y {
-            let source = y as usize * width as usize + from_x as usize;
-            let target = (y - min_y) as usize * side + (from_x - min_x) as usize;
+            let source = y.to_usize() * width.to_usize() + from_x.to_usize();
+            let target = (y - min_y).to_usize() * side + (from_x - min_x).to_usize();
             let Some(source) = map.cells.get(source..source + n) else {
                 continue;
             };
@@ -164,30 +157,30 @@ impl ClearanceField {
     }
 
     fn stamp(&mut self, points_in_base: &[Point2<f64>], yaw_rad: f64, stamp_m: f32) {
-        let side = self.side as usize;
+        let side = self.side.to_usize();
         if self.squared.len() != side * side {
             self.squared.clear();
             self.squared.resize(side * side, f32::INFINITY);
         }
         let (sin, cos) = yaw_rad.sin_cos();
-        let reach = (stamp_m * self.inverse).ceil() as i32;
+        let reach = (stamp_m * self.inverse).ceil().to_i32();
         let last = self.side - 1;
         let (mut low, mut high) = ((last, last), (0, 0));
         for point in points_in_base {
-            let x = (cos * point.x - sin * point.y) as f32 * self.inverse + self.centre.0;
-            let y = (sin * point.x + cos * point.y) as f32 * self.inverse + self.centre.1;
+            let x = (cos * point.x - sin * point.y).to_f32() * self.inverse + self.centre.0;
+            let y = (sin * point.x + cos * point.y).to_f32() * self.inverse + self.centre.1;
             // Far enough that not even its surroundings lie in the window; also what is no number.
-            let bound = (reach + 1) as f32;
-            let limit = self.side as f32 + bound;
+            let bound = (reach + 1).to_f32();
+            let limit = self.side.to_f32() + bound;
             if !(x > -bound && y > -bound && x < limit && y < limit) {
                 continue;
             }
             // Shifted to be positive, truncation rounds to the nearest centre.
             let shift = reach + 2;
-            let cell_x = (x + 0.5 + shift as f32) as i32 - shift;
-            let cell_y = (y + 0.5 + shift as f32) as i32 - shift;
+            let cell_x = (x + 0.5 + shift.to_f32()).to_i32() - shift;
+            let cell_y = (y + 0.5 + shift.to_f32()).to_i32() - shift;
             let inside = cell_x >= 0 && cell_y >= 0 && cell_x <= last && cell_y <= last;
-            if inside && self.cells[(cell_y * self.side + cell_x) as usize] <= 0.0 {
+            if inside && self.cells[(cell_y * self.side + cell_x).to_usize()] <= 0.0 {
                 continue;
             }
             let (from_x, to_x) = ((cell_x - reach).max(0), (cell_x + reach).min(last));
@@ -198,17 +191,18 @@ impl ClearanceField {
             low = (low.0.min(from_x), low.1.min(from_y));
             high = (high.0.max(to_x), high.1.max(to_y));
             let scale = self.resolution_m;
-            let rows = &mut self.squared[from_y as usize * side..(to_y as usize + 1) * side];
+            let rows = &mut self.squared[from_y.to_usize() * side..(to_y.to_usize() + 1) * side];
             lower_block(
                 rows,
-                (from_x as usize, to_x as usize, side),
-                (x, y - from_y as f32),
+                (from_x.to_usize(), to_x.to_usize(), side),
+                (x, y - from_y.to_f32()),
                 scale,
             );
         }
         for row in low.1..=high.1 {
-            let start = (row * self.side) as usize;
-            let range = start + low.0 as usize..start + (high.0 as usize + 1).max(low.0 as usize);
+            let start = (row * self.side).to_usize();
+            let range =
+                start + low.0.to_usize()..start + (high.0.to_usize() + 1).max(low.0.to_usize());
             settle_row(&mut self.cells[range.clone()], &mut self.squared[range]);
         }
     }
@@ -233,9 +227,13 @@ impl ClearanceField {
     pub(crate) fn nearest_m(&self, x: f32, y: f32) -> f32 {
         let last = self.side - 1;
         // The window begins below the robot, so truncation is rounding.
-        let column = ((x * self.inverse + self.centre.0 + 0.5) as i32).clamp(0, last);
-        let row = ((y * self.inverse + self.centre.1 + 0.5) as i32).clamp(0, last);
-        self.cells[(row * self.side + column) as usize]
+        let column = (x * self.inverse + self.centre.0 + 0.5)
+            .to_i32()
+            .clamp(0, last);
+        let row = (y * self.inverse + self.centre.1 + 0.5)
+            .to_i32()
+            .clamp(0, last);
+        self.cells[(row * self.side + column).to_usize()]
     }
 
     /// A bound below the clearance at a point, exact up to a few millimetres. [m]
@@ -246,14 +244,14 @@ impl ClearanceField {
     /// cells that bound is worth nothing and the cell's own value less the way to its centre is
     /// taken.
     pub(crate) fn bound_m(&self, x: f32, y: f32) -> f32 {
-        let last = (self.side - 2) as f32;
+        let last = (self.side - 2).to_f32();
         let u = (x * self.inverse + self.centre.0).clamp(0.0, last);
         let v = (y * self.inverse + self.centre.1).clamp(0.0, last);
-        let (column, row) = (u as i32, v as i32);
-        let (fu, fv) = (u - column as f32, v - row as f32);
-        let start = (row * self.side + column) as usize;
+        let (column, row) = (u.to_i32(), v.to_i32());
+        let (fu, fv) = (u - column.to_f32(), v - row.to_f32());
+        let start = (row * self.side + column).to_usize();
         let below = &self.cells[start..start + 2];
-        let above = &self.cells[start + self.side as usize..start + self.side as usize + 2];
+        let above = &self.cells[start + self.side.to_usize()..start + self.side.to_usize() + 2];
         let low = below[0] + (below[1] - below[0]) * fu;
         let high = above[0] + (above[1] - above[0]) * fu;
         let value = low + (high - low) * fv;
@@ -319,7 +317,7 @@ mod tests {
                     let cell = Cell::new(x, y);
                     let clearance = truth(&geometry, &lethal, &[], geometry.centre_of(cell));
                     let index = geometry.index_of(cell).expect("inside");
-                    cells[index].clearance_mm = (clearance * 1000.0).floor().min(1500.0) as u16;
+                    cells[index].clearance_mm = (clearance * 1000.0).floor().min(1500.0).to_u16();
                 }
             }
             let map = MapView {

@@ -6,14 +6,6 @@
 //! compare the two. Where no gather is needed the twin itself is compiled a second time with AVX2
 //! allowed; without contraction of products and sums that gives the same bits.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "indices of a window of at most 1024 cells, clamped before use"
-)]
-
 use data::{Lanes, Projections, Sheet, Stretch, Turns};
 use zeronav_msgs::MapCell;
 

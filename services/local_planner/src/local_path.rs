@@ -1,12 +1,11 @@
 //! The stretch of the path ahead of the robot, evenly sampled, and what it asks of the speed.
 
-#![allow(clippy::cast_possible_truncation, reason = "indices of 32 samples")]
-
 use crate::field::ClearanceField;
 use crate::lanes::data::{Projections, SAMPLES, Stretch, narrow};
 use crate::lanes::places_on;
 use crate::progress::{PathTracker, Place};
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::path::Waypoint;
 
 /// [m] where unused samples are put.
@@ -122,9 +121,8 @@ impl LocalPath {
     }
 
     /// [m] along the path from the robot's place to a sample.
-    #[allow(clippy::cast_precision_loss, reason = "at most 32 samples")]
     fn arc_of(&self, index: usize) -> f32 {
-        let steps = index as f32 - self.behind as f32;
+        let steps = index.to_f32() - self.behind.to_f32();
         (steps * narrow(self.spacing_m)).min(narrow(self.ahead_m))
     }
 

@@ -22,6 +22,7 @@ use search::{Progress, Search};
 use targets::Target;
 use track::{Step, Track, sees_behind};
 pub(crate) use view::View;
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::map::FLAG_UNKNOWN;
@@ -391,8 +392,7 @@ impl Manoeuvre {
 
 /// How long it has not got on after another period [s] in which so many poses were passed. [s]
 fn waited_s(before_s: f64, period_s: f64, passed: usize) -> f64 {
-    #[allow(clippy::cast_precision_loss, reason = "a few poses")]
-    let regained_s = REGAINED_S * passed as f64;
+    let regained_s = REGAINED_S * passed.to_f64();
     (before_s + period_s - regained_s).max(0.0)
 }
 

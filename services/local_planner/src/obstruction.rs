@@ -1,6 +1,7 @@
 //! Which obstacle it is that the robot does not get past. Nothing is decided by it.
 
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{COST_LETHAL, ObstacleSource};
 use zeronav_msgs::obstacles::Obstacle;
 use zeronav_msgs::path::{Path, PathBlock, PathStatus};
@@ -141,14 +142,11 @@ fn nearest_of(
 }
 
 /// Cells in a distance, rounded up; bounded. [m]
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "clamped to a small number of cells"
-)]
 fn cells(reach_m: f64, half_m: f64) -> i32 {
     ((reach_m + half_m) / (2.0 * half_m))
         .ceil()
-        .clamp(0.0, 100.0) as i32
+        .clamp(0.0, 100.0)
+        .to_i32()
 }
 
 #[cfg(test)]

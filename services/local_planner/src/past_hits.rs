@@ -5,13 +5,8 @@
 //! last scan that measured a place tell where in its cells the surface is. They count as long as the map
 //! says that something is there: what has left, or never stood, is cleared there.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "indices of bins; far places share them"
-)]
-
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::map::FLAG_UNKNOWN;
 use zeronav_msgs::time::seconds;
 use zeronav_msgs::{MapView, Pose};
@@ -120,10 +115,10 @@ impl PastHits {
 
     /// Takes in a hit, map frame. A square has those of one period.
     fn take(&mut self, hit: Hit, run_ns: u64) {
-        let index = |m: f64| (m / BIN_M).floor() as i32;
+        let index = |m: f64| (m / BIN_M).floor().to_i32();
         let square = (index(hit.at.x), index(hit.at.y));
         let (column, row) = (square.0.rem_euclid(BINS), square.1.rem_euclid(BINS));
-        let slot = (row * BINS + column) as usize;
+        let slot = (row * BINS + column).to_usize();
         let (bin, hits) = (&mut self.bins[slot], &mut self.hits[slot]);
         if bin.square != square || bin.run_ns != run_ns {
             *bin = Bin {

@@ -9,6 +9,7 @@ mod pool;
 
 use crate::lanes::data::narrow;
 use pool::{Pool, is_same};
+use zeronav_casts::Cast;
 use zeronav_motion::{Twist, reachable};
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
@@ -214,8 +215,7 @@ fn ahead(
     };
     mark(&mut rollout, here.x_m, here.y_m);
     let (mut pose, mut twist) = (*here, from);
-    #[allow(clippy::cast_precision_loss, reason = "a dozen")]
-    let points = (ROLLOUT_POINTS_MAX - 1) as f64;
+    let points = (ROLLOUT_POINTS_MAX - 1).to_f64();
     let step_s = horizon_s / (points * f64::from(SUBSTEPS));
     while usize::from(rollout.n_points) < ROLLOUT_POINTS_MAX {
         for _ in 0..SUBSTEPS {
@@ -243,10 +243,9 @@ mod tests {
         }
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "a few dozen steps")]
     fn offer(record: &mut Record, seen: &DrawnRollout) {
         let w = seen.twist.1;
-        record.offer(seen, |step| (0.05 * (step + 1) as f32, w * step as f32));
+        record.offer(seen, |step| (0.05 * (step + 1).to_f32(), w * step.to_f32()));
     }
 
     fn end(record: &mut Record, picked: Option<Twist>) -> Vec<Rollout> {

@@ -254,14 +254,11 @@ fn smoothed_m(scan: &Scan, ranges: &[f32], beam: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::print_stdout, reason = "the numbers of a failed run")]
-    #![allow(
-        clippy::cast_possible_truncation,
-        reason = "ranges on the wire are f32"
-    )]
 
     use super::*;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
+    use zeronav_casts::Cast;
 
     fn scan(time_increment_s: f32) -> Scan {
         Scan {
@@ -364,7 +361,7 @@ mod tests {
         nearer.swap(4, 3);
         let at = Point2::new(0.04_f64.cos(), 0.04_f64.sin());
         let seen = there.isometry().inverse() * at;
-        nearer[3] = seen.coords.norm() as f32;
+        nearer[3] = seen.coords.norm().to_f32();
         points.take(&one, &nearer, &here, (&there, 100_000_000), Twist::REST);
         assert_eq!(points.carry(&there, &there).len(), 1);
     }
@@ -448,7 +445,7 @@ mod tests {
             let ranges: Vec<f32> = truth
                 .iter()
                 .zip(&noise)
-                .map(|(r, e)| (r + e) as f32)
+                .map(|(r, e)| (r + e).to_f32())
                 .collect();
             let mut points = ScanPoints::default();
             assert_eq!(still(&mut points, &scan, &ranges, &Pose::default()), 361);

@@ -4,16 +4,10 @@
 //! surface, or one before it did that the lidar has turned away from since, its hits tell where that is: a
 //! cell that a beam ends in or within [`ALONG_M`] of is left to them.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "indices of a window of at most a few hundred cells, clamped before use"
-)]
-
 use crate::lanes::data::Sheet;
 use crate::past_hits::{ALONG_M, Hit};
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 
 /// Places on a beam at which its cells are marked.
 const PLACES: i32 = 2;
@@ -43,11 +37,11 @@ impl Squares {
         self.half_m = 0.5 * resolution_m;
         let (centre_x, centre_y) = (f64::from(sheet.centre.0), f64::from(sheet.centre.1));
         let last = f64::from(sheet.side - 1);
-        let clamped = |at: f64| at.clamp(0.0, last) as usize;
+        let clamped = |at: f64| at.clamp(0.0, last).to_usize();
         let reach = reach_m / resolution_m;
         let (from_x, to_x) = (clamped(centre_x - reach), clamped(centre_x + reach));
         let (from_y, to_y) = (clamped(centre_y - reach), clamped(centre_y + reach));
-        let (width, side) = (to_x - from_x + 1, sheet.side as usize);
+        let (width, side) = (to_x - from_x + 1, sheet.side.to_usize());
         self.measured.clear();
         self.measured.resize(width * (to_y - from_y + 1), false);
         for Hit { at: point, along } in hits {
@@ -56,9 +50,9 @@ impl Squares {
                     point + along * (ALONG_M * f64::from(place) / f64::from(PLACES));
                 let x = (at.x / resolution_m + centre_x).round();
                 let y = (at.y / resolution_m + centre_y).round();
-                let inside = x >= from_x as f64 && x <= to_x as f64;
-                if inside && y >= from_y as f64 && y <= to_y as f64 {
-                    self.measured[(y as usize - from_y) * width + x as usize - from_x] = true;
+                let inside = x >= from_x.to_f64() && x <= to_x.to_f64();
+                if inside && y >= from_y.to_f64() && y <= to_y.to_f64() {
+                    self.measured[(y.to_usize() - from_y) * width + x.to_usize() - from_x] = true;
                 }
             }
         }
@@ -76,7 +70,7 @@ impl Squares {
                         .iter()
                         .all(|&(x, y)| is_obstacle(x, y) && !is_measured(x, y));
                 if !hidden {
-                    let at = Vector2::new(x as f64 - centre_x, y as f64 - centre_y);
+                    let at = Vector2::new(x.to_f64() - centre_x, y.to_f64() - centre_y);
                     self.centres.push(Point2::from(at * resolution_m));
                 }
             }
@@ -105,7 +99,7 @@ mod tests {
         let points = points.iter().map(|&(x, y)| Point2::new(x, y));
         let hits = points.map(|at| Hit::of(Point2::origin(), at));
         squares.fill(&sheet, 0.8, hits);
-        let cell = |at: f64| (at / 0.1 + 10.0).round() as usize;
+        let cell = |at: f64| (at / 0.1 + 10.0).round().to_usize();
         let cells = squares.centres.iter();
         cells.map(|at| (cell(at.x), cell(at.y))).collect()
     }

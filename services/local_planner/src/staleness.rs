@@ -1,5 +1,6 @@
 //! How fast the robot may go by what it knows, given how old that is.
 
+use zeronav_casts::Cast;
 use zeronav_params::{ParameterError, parameters};
 
 parameters! {
@@ -157,12 +158,8 @@ pub fn speed_factor(ages: &Ages, config: &StalenessConfig) -> Result<f64, StaleI
     Ok(factor)
 }
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "ages are compared with tenths of seconds"
-)]
 fn nanoseconds(ns: u64) -> f64 {
-    ns as f64
+    ns.to_f64()
 }
 
 #[cfg(test)]
@@ -228,12 +225,7 @@ mod tests {
             (StaleInput::Path, config.path_age_s),
         ] {
             let at = |share: f64| {
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "an age"
-                )]
-                let age = Some((share * limit_s * 1.0e9) as u64);
+                let age = Some((share * limit_s * 1.0e9).to_u64());
                 let mut ages = young();
                 match input {
                     StaleInput::Odometry => ages.odometry_ns = age,

@@ -3,6 +3,7 @@
 use crate::patience::Patience;
 pub use crate::planned::Planned;
 use crate::stall::{Stall, Stalled};
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::certainty::PoseCertainty;
@@ -469,11 +470,6 @@ impl TaskMachine {
 }
 
 /// A time as the status tells it, rounded up. [s]
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped"
-)]
 fn whole_seconds(time_s: f64) -> u16 {
-    time_s.ceil().clamp(0.0, f64::from(u16::MAX)) as u16
+    time_s.ceil().clamp(0.0, f64::from(u16::MAX)).to_u16()
 }

@@ -1,5 +1,7 @@
 //! What is thin and stands before everything beside it: a drop of rain, or a wire.
 
+use zeronav_casts::Cast;
+
 /// [m] up to which neighbouring beams hit the same thing.
 const SAME_M: f64 = 0.06;
 
@@ -17,12 +19,7 @@ pub(crate) fn is_before(ranges: &[f32], beam: usize, apart_m: f64) -> bool {
         let other_m = ranges.get(other)?;
         Some(f64::from(other_m - ranges[beam]))
     };
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped"
-    )]
-    let wide = ((THIN_M / apart_m) as usize).clamp(1, THIN_BEAMS_MAX);
+    let wide = (THIN_M / apart_m).to_usize().clamp(1, THIN_BEAMS_MAX);
     let mut found = 1;
     for side in [1, usize::MAX] {
         let mut other = beam.wrapping_add(side);

@@ -15,6 +15,7 @@ use std::hint::black_box;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 use support::{Rng, Room, config, description};
+use zeronav_casts::Cast;
 use zeronav_mapping::localiser::CorrectionMode;
 use zeronav_mapping::{Mapper, Mapping, Observation};
 use zeronav_msgs::Pose;
@@ -74,7 +75,6 @@ fn scan(c: &mut Criterion) {
 }
 
 /// Scans with 1 cm of noise of a room of 20 m x 20 m in the middle of maps of two sizes.
-#[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
 fn everything(c: &mut Criterion) {
     let mut group = c.benchmark_group("720 beams, everything");
     for side in [400_i32, 4000] {
@@ -96,7 +96,7 @@ fn everything(c: &mut Criterion) {
         let mut rng = Rng(1);
         let scans: Vec<Vec<f32>> = (0..50)
             .map(|_| {
-                let noisy = exact.iter().map(|r| r + (0.01 * rng.normal()) as f32);
+                let noisy = exact.iter().map(|r| r + (0.01 * rng.normal()).to_f32());
                 noisy.collect()
             })
             .collect();
@@ -147,7 +147,6 @@ type Capture = (Pose, Pose, Scan, Vec<f32>);
 
 /// To and fro through the aisle, 9 cm a scan, with 8 mm of noise: again and again. Beams are taken at once, or one
 /// after the other.
-#[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
 fn drive(room: &Room, in_turn: bool) -> Vec<Capture> {
     let mut rng = Rng(1);
     let at = |n: f64| room.pose(120.0 + 1.8 * n, 128.5, 0.02 * (0.1 * n).sin());
@@ -174,7 +173,7 @@ fn drive(room: &Room, in_turn: bool) -> Vec<Capture> {
                 );
                 *range_m = room.range_m(&from, from.yaw_rad + scan.angle_of(beam.into()));
             }
-            *range_m += (0.008 * rng.normal()) as f32;
+            *range_m += (0.008 * rng.normal()).to_f32();
         }
         (first, last, scan, ranges)
     })

@@ -19,6 +19,7 @@ use std::error::Error;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use support::{observed, take_in_ms};
+use zeronav_casts::Cast;
 use zeronav_mapping::beams::{Beam, Beams, End, Sweep};
 use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::ray::{Passing, Ray};
@@ -139,8 +140,7 @@ fn laser_of(line: &str) -> Option<Laser> {
 /// Half a turn from right to left: an odd number of readings, 181 or 361, has one at either end, an
 /// even one begins and ends half a step inside. Readings without a return say nothing.
 fn scan_of(laser: &Laser) -> (Scan, Vec<f32>) {
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred beams")]
-    let steps = (laser.ranges.len() / 2 * 2).max(1) as f32;
+    let steps = (laser.ranges.len() / 2 * 2).max(1).to_f32();
     let step = std::f32::consts::PI / steps;
     let inside = if laser.ranges.len().is_multiple_of(2) {
         0.5
@@ -280,9 +280,8 @@ impl Judged {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts")]
 fn share(part: u64, whole: u64) -> f64 {
-    part as f64 / whole.max(1) as f64
+    part.to_f64() / whole.max(1).to_f64()
 }
 
 /// Counts the occupied among the cells that a beam crosses.

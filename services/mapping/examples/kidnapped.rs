@@ -15,6 +15,7 @@ mod support;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use support::{Rng, Room, description, observed, take_in_ms};
+use zeronav_casts::Cast;
 use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::{Mapping, MappingConfig, Sought};
 use zeronav_msgs::Pose;
@@ -162,8 +163,7 @@ fn robot(
     for n in 1..=SCANS {
         let (scan, mut ranges) = room.scan(truth);
         for range_m in &mut ranges {
-            #[allow(clippy::cast_possible_truncation, reason = "a range")]
-            let noisy = (f64::from(*range_m) + 0.01 * rng.normal()) as f32;
+            let noisy = (f64::from(*range_m) + 0.01 * rng.normal()).to_f32();
             *range_m = if rng.below(100) == 0 {
                 f32::INFINITY
             } else {
@@ -220,12 +220,7 @@ fn changed(map: &StaticMap, truth: &Pose, moved: f64, rng: &mut Rng) -> Room {
         range_m_max: 12.0,
     };
     let (_, before) = room.scan(truth);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a count of beams"
-    )]
-    let most = (360.0 * moved) as usize;
+    let most = (360.0 * moved).to_usize();
     let resolution_m = map.geometry.resolution_m;
     for _ in 0..200 {
         let (_, now) = room.scan(truth);
@@ -244,8 +239,7 @@ fn changed(map: &StaticMap, truth: &Pose, moved: f64, rng: &mut Rng) -> Room {
         let range_m = 0.7 + (free_m - 0.9).max(0.0) * 1.0e-3 * f64::from(rng.below(1000));
         let at = truth.point() + range_m * nalgebra::Vector2::new(angle_rad.cos(), angle_rad.sin());
         let cell = map.geometry.unbounded_cell_at(at);
-        #[allow(clippy::cast_possible_truncation, reason = "a few cells")]
-        let half = (0.2 / resolution_m).ceil() as i32;
+        let half = (0.2 / resolution_m).ceil().to_i32();
         room.fill(
             cell.x - half,
             cell.y - half,

@@ -13,6 +13,7 @@ mod support;
 
 use std::time::Instant;
 use support::{Rng, Room, config, description};
+use zeronav_casts::Cast;
 use zeronav_mapping::clearance::ClearanceField;
 use zeronav_mapping::localiser::CorrectionMode;
 use zeronav_mapping::{Mapper, Mapping, Observation};
@@ -113,13 +114,12 @@ fn microseconds(since: Instant) -> f64 {
 }
 
 /// Scans with noise, drawn before the clock starts.
-#[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
 fn noisy_scans(room: &Room, from: &Pose, n: usize) -> Vec<(Scan, Vec<f32>)> {
     let mut rng = Rng(1);
     let (scan, exact) = room.scan(from);
     (0..n)
         .map(|_| {
-            let noisy = exact.iter().map(|r| r + (0.01 * rng.normal()) as f32);
+            let noisy = exact.iter().map(|r| r + (0.01 * rng.normal()).to_f32());
             (scan, noisy.collect())
         })
         .collect()

@@ -5,6 +5,7 @@
 //! the accelerations within one turn.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::{BeamDirections, Scan};
@@ -97,8 +98,7 @@ impl Beams {
     /// Takes in a scan that was checked against [`Scan::check`].
     pub fn cast(&mut self, scan: &Scan, ranges: &[f32], sweep: &Sweep) {
         self.increment_rad = f64::from(scan.angle_increment_rad).abs();
-        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-        let fan_rad = self.increment_rad * (ranges.len() as f64 + 0.5);
+        let fan_rad = self.increment_rad * (ranges.len().to_f64() + 0.5);
         self.full_turn = fan_rad >= core::f64::consts::TAU;
         self.cast.clear();
         self.sweep = *sweep;
@@ -116,8 +116,7 @@ impl Beams {
         }
         let turn_rad = wrap_angle(sweep.last.yaw_rad - sweep.first.yaw_rad);
         let shift = sweep.last.point() - sweep.first.point();
-        #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-        let steps = ranges.len().saturating_sub(1).max(1) as f64;
+        let steps = ranges.len().saturating_sub(1).max(1).to_f64();
         self.cast.extend(
             directions
                 .zip(0_u32..)
@@ -194,8 +193,7 @@ pub(crate) fn ends_of(
     (at, ago): (&mut Vec<Point2<f64>>, &mut Vec<f64>),
     stands: impl Fn(&Point2<f64>) -> bool,
 ) -> usize {
-    #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-    let steps = beams.len().saturating_sub(1).max(1) as f64;
+    let steps = beams.len().saturating_sub(1).max(1).to_f64();
     at.clear();
     ago.clear();
     let mut n_ends = 0;
@@ -207,8 +205,7 @@ pub(crate) fn ends_of(
         n_ends += 1;
         if stands(&end) {
             at.push(end);
-            #[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
-            ago.push(1.0 - n as f64 / steps);
+            ago.push(1.0 - n.to_f64() / steps);
         }
     }
     n_ends
@@ -264,8 +261,7 @@ mod tests {
             let pose = at(number);
             let angle = pose.yaw_rad + scan.angle_of(number as usize);
             // The wall is x = 4.
-            #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
-            ranges.push(((4.0 - pose.x_m) / angle.cos()) as f32);
+            ranges.push(((4.0 - pose.x_m) / angle.cos()).to_f32());
         }
         let mut beams = Beams::default();
         let sweep = Sweep {

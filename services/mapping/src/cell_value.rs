@@ -4,6 +4,7 @@
 
 use crate::clearance::FAR;
 use crate::config::MappingConfig;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{CostModel, clearance_mm};
 
 /// Clearance and cost of a known cell by its squared distance.
@@ -16,10 +17,12 @@ pub(crate) struct ValueTable {
 impl ValueTable {
     /// The table of a cost model on cells of this size, for clearances up to `limit_mm`.
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, reason = "at most FAR")]
     pub(crate) fn new(model: &CostModel, limit_mm: u16, resolution_m: f64) -> Self {
         let half_cells_max = 2.0 * f64::from(limit_mm) / 1000.0 / resolution_m;
-        let last = (half_cells_max * half_cells_max).ceil().min(f64::from(FAR)) as i16;
+        let last = (half_cells_max * half_cells_max)
+            .ceil()
+            .min(f64::from(FAR))
+            .to_i16();
         let value = |square: i16| {
             let clearance_m = f64::from(square).sqrt() / 2.0 * resolution_m;
             (clearance_mm(clearance_m, limit_mm), model.cost(clearance_m))

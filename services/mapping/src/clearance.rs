@@ -9,6 +9,7 @@
 //! instructions and is faster for windows of this size). Beyond the limit distances are not told
 //! apart, which is what makes the windows small.
 
+use zeronav_casts::Cast;
 use zeronav_msgs::{Cell, CellRect, GridGeometry};
 
 /// Squared distance of cells without an obstacle within the limit.
@@ -39,23 +40,21 @@ pub struct ClearanceField {
 }
 
 /// Squared distance along one axis. [half cells^2]
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "saturates at the largest value of i16"
-)]
 fn square(cells: i32) -> i16 {
     let half_cells = (2 * cells.abs() - 1).clamp(0, 181);
-    (half_cells * half_cells).min(i32::from(FAR)) as i16
+    (half_cells * half_cells).min(i32::from(FAR)).to_i16()
 }
 
 impl ClearanceField {
     /// A field without obstacles whose distances are exact up to `limit_cells`, at most
     /// [`CLEARANCE_CELLS_MAX`].
     #[must_use]
-    #[allow(clippy::cast_possible_truncation, reason = "at most 90 cells")]
     pub fn new(geometry: &GridGeometry, limit_cells: f64) -> Self {
         // Cells at reach + 1 are at least the limit away.
-        let reach = (limit_cells - 0.5).ceil().clamp(0.0, CLEARANCE_CELLS_MAX) as i32;
+        let reach = (limit_cells - 0.5)
+            .ceil()
+            .clamp(0.0, CLEARANCE_CELLS_MAX)
+            .to_i32();
         let mut stamp = Vec::new();
         for y in -reach..=reach {
             stamp.extend((-reach..=reach).map(|x| square(x).saturating_add(square(y))));

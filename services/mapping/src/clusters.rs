@@ -182,11 +182,11 @@ fn continues_line(points: &[ScanPoint], n_beams: usize) -> bool {
 mod tests {
     use super::*;
     use crate::beams::Sweep;
+    use zeronav_casts::Cast;
     use zeronav_msgs::scan::Scan;
 
     fn find(ranges: &[f32], full_turn: bool) -> Vec<(Vec<usize>, bool)> {
-        #[allow(clippy::cast_precision_loss, reason = "a few beams")]
-        let turn = std::f32::consts::TAU / ranges.len() as f32;
+        let turn = std::f32::consts::TAU / ranges.len().to_f32();
         let scan = Scan {
             n_beams: u32::try_from(ranges.len()).unwrap(),
             angle_increment_rad: if full_turn { turn } else { 0.02 },
@@ -223,8 +223,7 @@ mod tests {
     #[test]
     fn a_wall_at_a_slant_is_one_and_what_stands_off_it_is_not() {
         // The wall y = 1, from beside to 13 degrees.
-        #[allow(clippy::cast_precision_loss, reason = "small")]
-        let range = |n: i32| 1.0 / (1.57 + 0.02 * n as f32).sin();
+        let range = |n: i32| 1.0 / (1.57 + 0.02 * n.to_f32()).sin();
         let wall: Vec<f32> = (0..68).map(range).collect();
         let mut beams = Beams::default();
         let mut count = |ranges: &[f32]| {

@@ -10,6 +10,7 @@ use crate::tracker::TrackingConfig;
 use crate::virtual_obstacles::VirtualConfig;
 use crate::window::WindowConfig;
 use std::path::PathBuf;
+use zeronav_casts::Cast;
 use zeronav_msgs::GridGeometry;
 use zeronav_msgs::grid::RESOLUTION_M;
 use zeronav_msgs::message::COORDINATE_M_MAX;
@@ -97,15 +98,10 @@ impl MappingConfig {
     ///
     /// # Errors
     /// [`MappingError::NoArea`], [`MappingError::Geometry`].
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "float to int saturates, and the check refuses what is too large"
-    )]
     pub fn geometry(&self) -> Result<GridGeometry, MappingError> {
         let [[x0, y0], [x1, y1]] = self.area_m.ok_or(MappingError::NoArea)?;
         // A sliver of a millionth of a cell makes no cell.
-        let cells = |length_m: f64| (length_m / self.resolution_m - 1.0e-6).ceil() as u32;
+        let cells = |length_m: f64| (length_m / self.resolution_m - 1.0e-6).ceil().to_u32();
         let geometry = GridGeometry {
             origin_x_m: x0,
             origin_y_m: y0,

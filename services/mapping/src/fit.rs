@@ -1,6 +1,7 @@
 //! What a cluster of points is: part of a circle, or a segment.
 
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2, Vector3};
+use zeronav_casts::Cast;
 
 /// What fits best.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,8 +49,7 @@ pub(crate) fn fit(
     if n == 0 {
         return None;
     }
-    #[allow(clippy::cast_precision_loss, reason = "at most 4096 points")]
-    let count = n as f64;
+    let count = n.to_f64();
     let sum = points
         .clone()
         .fold(Vector2::zeros(), |sum, point| sum + point.coords);

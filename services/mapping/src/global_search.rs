@@ -10,6 +10,7 @@ use crate::search_map::SearchMap;
 use core::f64::consts::TAU;
 use nalgebra::Point2;
 use std::collections::BinaryHeap;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 
@@ -84,12 +85,7 @@ impl GlobalSearch {
         let ends: Vec<_> = ends.map(|end| end / map.cell_m()).collect();
         // A step of yaw moves the farthest end by a cell.
         let farthest = ends.iter().map(|end| end.coords.norm()).fold(1.0, f64::max);
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "float to int saturates"
-        )]
-        let n_yaws = (TAU * farthest).ceil() as u32;
+        let n_yaws = (TAU * farthest).ceil().to_u32();
         Self {
             turned: Vec::with_capacity(ends.len()),
             ends,
@@ -196,9 +192,7 @@ impl GlobalSearch {
         self.turned.clear();
         self.turned.extend(self.ends.iter().map(|end| {
             let (x, y) = (cos * end.x - sin * end.y, sin * end.x + cos * end.y);
-            #[allow(clippy::cast_possible_truncation, reason = "float to int saturates")]
-            let cells = ((x + 0.5).floor() as i32, (y + 0.5).floor() as i32);
-            cells
+            ((x + 0.5).floor().to_i32(), (y + 0.5).floor().to_i32())
         }));
     }
 
@@ -230,20 +224,14 @@ impl GlobalSearch {
     }
 
     /// What a node must be above to be looked at.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a share of 255 times the beams"
-    )]
     fn least(&self) -> u32 {
         let best = self.places.first().map_or(0.0, |place| place.share);
-        (WORTH.0.max(WORTH.1 * best) * self.all()) as u32
+        (WORTH.0.max(WORTH.1 * best) * self.all()).to_u32()
     }
 
     /// What a pose would come to that explains everything.
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
     fn all(&self) -> f64 {
-        255.0 * self.ends.len().max(1) as f64
+        255.0 * self.ends.len().max(1).to_f64()
     }
 
     /// The yaw in the middle of a node. [rad]

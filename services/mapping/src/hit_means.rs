@@ -8,6 +8,7 @@
 //! raster).
 
 use nalgebra::{Matrix2, Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::{Cell, GridGeometry};
 
 /// Side of the blocks that are allocated. [cells]
@@ -140,8 +141,10 @@ impl HitMeans {
             blocks: vec![NO_BLOCK; columns * rows],
             hits: Vec::with_capacity((columns * rows).min(BLOCKS_AT_FIRST)),
             around: AROUND.map(|(around_m, cells_max)| {
-                #[allow(clippy::cast_possible_truncation, reason = "clamped")]
-                let cells = (around_m / geometry.resolution_m).round().min(99.0) as i32;
+                let cells = (around_m / geometry.resolution_m)
+                    .round()
+                    .min(99.0)
+                    .to_i32();
                 cells.clamp(2, cells_max)
             }),
         }
@@ -150,17 +153,12 @@ impl HitMeans {
     /// Takes in where a beam ended, in cells from the lower corner of the map.
     pub(crate) fn add(&mut self, (at, eye): &BeamEnd) {
         let (column, row) = (at.x.floor(), at.y.floor());
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "float to int saturates, far outside is outside"
-        )]
-        let cell = Cell::new(column as i32, row as i32);
+        let cell = Cell::new(column.to_i32(), row.to_i32());
         let Some(hits) = self.hits_mut(cell) else {
             return;
         };
         if hits.n < HITS_MAX {
-            #[allow(clippy::cast_possible_truncation, reason = "small numbers")]
-            let [x, y, eye_x, eye_y] = [at.x - column, at.y - row, eye.x, eye.y].map(|n| n as f32);
+            let [x, y, eye_x, eye_y] = [at.x - column, at.y - row, eye.x, eye.y].map(Cast::to_f32);
             hits.n += 1.0;
             hits.x += x;
             hits.y += y;
@@ -308,8 +306,7 @@ impl HitMeans {
         if !(0..width).contains(&cell.x) || !(0..height).contains(&cell.y) {
             return None;
         }
-        #[allow(clippy::cast_sign_loss, reason = "on the map")]
-        let (x, y) = (cell.x as usize, cell.y as usize);
+        let (x, y) = (cell.x.to_usize(), cell.y.to_usize());
         let block = y / BLOCK * self.columns + x / BLOCK;
         Some((block, y % BLOCK * BLOCK + x % BLOCK))
     }
@@ -325,12 +322,7 @@ mod tests {
 
     /// 5 m x 4.5 m.
     fn with_cells(resolution_m: f64) -> HitMeans {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a few hundred"
-        )]
-        let cells = |size_m: f64| (size_m / resolution_m).round() as u32;
+        let cells = |size_m: f64| (size_m / resolution_m).round().to_u32();
         HitMeans::new(&GridGeometry {
             origin_x_m: -1.0,
             origin_y_m: -2.0,

@@ -9,6 +9,7 @@
 
 use crate::beams::Beam;
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 
 /// How far apart the ends of neighbouring beams on one obstacle may lie, besides [`SAME_SPREADS`]. [m]
 const SAME_M: f64 = 0.1;
@@ -121,8 +122,7 @@ fn neighbour(beams: &[Beam], n: usize, offset: isize) -> Option<&Beam> {
     let at = (isize::try_from(n).ok()? + offset).rem_euclid(count);
     let at = usize::try_from(at).ok().filter(|at| *at != n)?;
     let other = beams.get(at)?;
-    #[allow(clippy::cast_precision_loss, reason = "a few beams")]
-    let spread_max = NEIGHBOURS_SPREAD_MAX * offset.unsigned_abs() as f64;
+    let spread_max = NEIGHBOURS_SPREAD_MAX * offset.unsigned_abs().to_f64();
     let spread = (other.direction - beams[n].direction).norm();
     (spread < spread_max).then_some(other)
 }
@@ -134,11 +134,10 @@ pub(crate) fn isolated_hit(whole: i16, since_s: f64) -> i16 {
     if since_s <= 0.0 {
         return half;
     }
-    #[allow(clippy::cast_possible_truncation, reason = "clamped")]
-    let hit = (f64::from(whole) * since_s / ISOLATED_S)
+    (f64::from(whole) * since_s / ISOLATED_S)
         .ceil()
-        .clamp(1.0, f64::from(half)) as i16;
-    hit
+        .clamp(1.0, f64::from(half))
+        .to_i16()
 }
 
 #[cfg(test)]
@@ -158,16 +157,14 @@ mod tests {
             range_m_max: 15.0,
             ..Scan::default()
         };
-        #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
-        let ranges: Vec<f32> = (0..360).map(|n| range_m(n) as f32).collect();
+        let ranges: Vec<f32> = (0..360).map(|n| range_m(n).to_f32()).collect();
         let mut beams = Beams::default();
         beams.cast(&scan, &ranges, &Sweep::still(Pose::default()));
         (0..360).map(|n| evidence(beams.as_slice(), n)).collect()
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "degrees")]
     fn wall_m(n: usize, ahead_m: f64) -> f64 {
-        let angle = (n as f64).to_radians();
+        let angle = n.to_f64().to_radians();
         if angle.cos() > 0.1 {
             ahead_m / angle.cos()
         } else {

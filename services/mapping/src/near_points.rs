@@ -2,6 +2,7 @@
 
 use core::f64::consts::PI;
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 
 /// Side of a bucket, and how far from a hit its line is found at least. [m]
 const BUCKET_M: f64 = 0.15;
@@ -183,18 +184,12 @@ fn line_through(hits: &[Point2<f64>], n: usize) -> Option<Line> {
 }
 
 /// Index of the bucket of a place; `None` farther away than buckets reach.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "checked to be a small number that is not negative"
-)]
 fn bucket(place: Point2<f64>) -> Option<usize> {
     let index = |m: f64| {
-        let cells = m / BUCKET_M + BUCKETS as f64 / 2.0;
-        (0.0..BUCKETS as f64)
+        let cells = m / BUCKET_M + BUCKETS.to_f64() / 2.0;
+        (0.0..BUCKETS.to_f64())
             .contains(&cells)
-            .then_some(cells as usize)
+            .then_some(cells.to_usize())
     };
     Some(index(place.y)? * BUCKETS + index(place.x)?)
 }

@@ -4,6 +4,7 @@ use crate::beams::Sweep;
 use core::f64::consts::TAU;
 use nalgebra::Point2;
 use std::collections::VecDeque;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::scan::Scan;
 
@@ -71,34 +72,24 @@ impl PastScan {
     }
 
     /// How many beams on either side are within `margin_m` at `range_m`.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        reason = "beams are a few thousand; saturates"
-    )]
     fn beams_within(&self, margin_m: f64, range_m: f64) -> i64 {
         let spread_m = range_m * f64::from(self.scan.angle_increment_rad).abs();
-        let beside = (margin_m / spread_m).ceil() as i64;
-        beside.clamp(BESIDE_MIN, self.ranges.len() as i64)
+        let beside = (margin_m / spread_m).ceil().to_i64();
+        beside.clamp(BESIDE_MIN, self.ranges.len().to_i64())
     }
 
     /// The beam that looks nearest to a point of the map, perhaps none of the scan's, and how far
     /// the point is. [m]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "angles are a few turns, beams a few thousand"
-    )]
     fn towards(&self, point_in_map: Point2<f64>) -> (i64, f64) {
         let (mut beam, mut range_m) = self.towards_from(&self.sweep.last, point_in_map);
         if self.sweep.first != self.sweep.last {
-            #[allow(clippy::cast_precision_loss, reason = "beams are a few thousand")]
-            let steps = self.ranges.len().saturating_sub(1).max(1) as f64;
+            let steps = self.ranges.len().saturating_sub(1).max(1).to_f64();
             for _ in 0..LOOKS {
                 let share = (beam / steps).min(1.0);
                 (beam, range_m) = self.towards_from(&self.sweep.at(share), point_in_map);
             }
         }
-        (beam as i64, range_m)
+        (beam.to_i64(), range_m)
     }
 
     /// The same for a laser that stands at `map_from_laser`.
@@ -113,14 +104,11 @@ impl PastScan {
     }
 
     /// Range of a beam; a full turn goes on where it began. `None` beside the field of view. [m]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_possible_wrap,
-        reason = "beams are a few thousand"
-    )]
     fn range_of(&self, beam: i64) -> Option<f32> {
-        let n_beams = self.ranges.len() as i64;
-        let per_turn = (TAU / f64::from(self.scan.angle_increment_rad).abs()).round() as i64;
+        let n_beams = self.ranges.len().to_i64();
+        let per_turn = (TAU / f64::from(self.scan.angle_increment_rad).abs())
+            .round()
+            .to_i64();
         let beam = if n_beams >= per_turn {
             beam.rem_euclid(n_beams.max(1))
         } else {
@@ -293,8 +281,7 @@ mod tests {
             .map(|beam| {
                 let from = sweep.at(f64::from(beam) / f64::from(n_beams - 1));
                 let cos = (from.yaw_rad + scan.angle_of(usize::from(beam))).cos();
-                #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
-                let range_m = ((4.0 - from.x_m) / cos) as f32;
+                let range_m = ((4.0 - from.x_m) / cos).to_f32();
                 if cos > 0.0 && range_m < scan.range_m_max {
                     range_m
                 } else {

@@ -7,6 +7,7 @@ use crate::mapper::Mapper;
 use crate::scan_match::{Match, Surfaces};
 use crate::search_map::SearchMap;
 use nalgebra::{Matrix3, Point2, Vector3};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::map::{FLAG_STATIC, FLAG_UNKNOWN};
 use zeronav_msgs::pose::wrap_angle;
@@ -26,10 +27,12 @@ pub(crate) struct Held {
 }
 
 /// How many of about `n_max` beams ended where beams count.
-#[allow(clippy::cast_precision_loss, reason = "a few hundred")]
 pub(crate) fn n_hits(beams: &[Beam], n_max: usize, range_m_max: f64) -> f64 {
     let beams = beams.iter().step_by(every_nth(beams, n_max));
-    beams.filter(|beam| is_near(beam, range_m_max)).count() as f64
+    beams
+        .filter(|beam| is_near(beam, range_m_max))
+        .count()
+        .to_f64()
 }
 
 /// What a robot has moved between two poses.

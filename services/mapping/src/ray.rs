@@ -6,6 +6,7 @@
 
 use crate::free_blocks::BLOCK_CELLS;
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::Cell;
 
 /// A ray over a grid, in cells: cell (x, y) covers `x <= . < x + 1`.
@@ -27,13 +28,9 @@ pub trait Passing {
 
 impl Ray {
     /// The cell at a distance from the origin, on the grid or beyond. [cells]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "float to int saturates, far outside is outside"
-    )]
     pub(crate) fn cell_at(&self, cells: f64) -> Cell {
         let at = self.origin + self.direction * cells;
-        Cell::new(at.x.floor() as i32, at.y.floor() as i32)
+        Cell::new(at.x.floor().to_i32(), at.y.floor().to_i32())
     }
 
     /// The point `cells` after its origin. [cells]
@@ -88,10 +85,6 @@ impl Ray {
 
     /// [`Self::left_cells`] in one block, given by its first and last column and row.
     #[inline]
-    #[allow(
-        clippy::cast_sign_loss,
-        reason = "columns and rows of a grid are not negative"
-    )]
     fn left_of_block(
         &self,
         low: (i32, i32),
@@ -107,7 +100,7 @@ impl Ray {
         let (sign_x, sign_y) = (sign(self.direction.x), sign(self.direction.y));
         // Branches, because the processor guesses most of them: a quarter faster than selecting.
         while leaves_x.min(leaves_y) <= until {
-            passing.passed(y as usize * width as usize + x as usize);
+            passing.passed(y.to_usize() * width.to_usize() + x.to_usize());
             let (over_x, over_y) = (leaves_x <= leaves_y, leaves_y <= leaves_x);
             if over_x {
                 x += sign_x;
@@ -145,12 +138,8 @@ impl Ray {
 }
 
 /// The column or row of a coordinate, at least `low` and at most `high`.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "sides are at most 8192, and the ray is cut to the grid before"
-)]
 fn cell(at: f64, low: i32, high: i32) -> i32 {
-    (at.floor() as i32).clamp(low, high)
+    at.floor().to_i32().clamp(low, high)
 }
 
 /// Distance from the origin at which the ray leaves column or row `number` of those `side` cells

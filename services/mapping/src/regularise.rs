@@ -8,6 +8,7 @@
 //! is an obstacle stays the business of the other layers.
 
 use crate::rows_around::cell_at;
+use zeronav_casts::Cast;
 use zeronav_msgs::{Cell, CellRect, GridGeometry};
 use zeronav_params::parameters;
 
@@ -53,16 +54,11 @@ pub struct Regulariser {
 impl Regulariser {
     /// Nothing found yet.
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        reason = "at most 2^26 cells"
-    )]
     pub fn new(geometry: &GridGeometry, config: &RegularisationConfig) -> Self {
         Self {
             geometry: *geometry,
             groups_max: config.groups_max,
-            area_max: (geometry.len() as f64 * config.area_share_max) as i64,
+            area_max: (geometry.len().to_f64() * config.area_share_max).to_i64(),
             marks: vec![0; geometry.len()],
             last_mark: 0,
             groups: Vec::new(),

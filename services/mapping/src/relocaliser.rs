@@ -17,6 +17,7 @@ use crate::places::{Ground, Held, exact, is_same, lay, motion, n_hits};
 use crate::scan_match::Match;
 use crate::window::WindowMode;
 use nalgebra::{Matrix3, Point2, Vector3};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::time::seconds;
 use zeronav_params::ParameterError;
@@ -383,8 +384,7 @@ impl Relocaliser {
         let ends = self.standing.iter().map(|n| &sight.beams[*n]);
         let ends = ends.filter(|beam| is_near(beam, self.range_m_max));
         let ends: Vec<_> = ends.filter_map(Beam::point).collect();
-        #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
-        if (ends.len() as f64) < EXPLAINS.1 {
+        if ends.len().to_f64() < EXPLAINS.1 {
             // It is tried with the next scan.
             return;
         }

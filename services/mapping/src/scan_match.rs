@@ -11,6 +11,7 @@ use crate::clearance::ClearanceField;
 use crate::hit_means::{BeamEnd, HitMeans, HitsMean, Surface};
 use crate::rows_around::{around, cell_at};
 use nalgebra::{Matrix3, Point2, Vector2, Vector3};
+use zeronav_casts::Cast;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::{Cell, CellRect, GridGeometry, Pose};
 
@@ -345,11 +346,7 @@ impl Surfaces {
         let x = (at.x - geometry.origin_x_m) * per_m - 0.5;
         let y = (at.y - geometry.origin_y_m) * per_m - 0.5;
         let (column, row) = (x.floor(), y.floor());
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "float to int saturates, far outside is outside"
-        )]
-        let low = Cell::new(column as i32, row as i32);
+        let low = Cell::new(column.to_i32(), row.to_i32());
         let lower = geometry.index_of(low)?;
         geometry.index_of(Cell::new(low.x + 1, low.y + 1))?;
         let upper = lower + geometry.width as usize;

@@ -8,6 +8,7 @@
 
 use crate::scan_match::{Match, Surfaces};
 use nalgebra::{Matrix3, Point2, Vector3};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 
@@ -74,9 +75,8 @@ impl Surfaces {
             .iter()
             .any(|(other, pose)| *other + AHEAD > share && is_other(pose));
         let (mapped, on) = self.explained_where(ends, &found.pose, is_mapped);
-        #[allow(clippy::cast_precision_loss, reason = "a scan's points")]
-        let is_explained = on as f64 >= EXPLAINED.0 * mapped as f64
-            && on as f64 >= EXPLAINED.1 * ends.len() as f64
+        let is_explained = on.to_f64() >= EXPLAINED.0 * mapped.to_f64()
+            && on.to_f64() >= EXPLAINED.1 * ends.len().to_f64()
             && on >= EXPLAINED.2;
         (is_explained && !rival).then_some(found)
     }
@@ -90,8 +90,7 @@ impl Surfaces {
     ) -> [(f64, Pose); BEST] {
         let mut best = [(0.0, Pose::default()); BEST];
         let steps = |reach: f64, raster: f64| {
-            #[allow(clippy::cast_possible_truncation, reason = "a dozen")]
-            let n = (reach / raster).ceil() as i32;
+            let n = (reach / raster).ceil().to_i32();
             (-n..=n).map(move |step| f64::from(step) * raster)
         };
         for yaw_rad in steps(reach_rad, RASTER.1) {

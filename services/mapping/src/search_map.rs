@@ -4,6 +4,7 @@
 //! Hess, Kohler, Rapp, Andor, "Real-Time Loop Closure in 2D LIDAR SLAM", 2016, section V: precomputed grids.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::{Cell, GridGeometry};
 
 /// Grids: the cells themselves, and squares of 2, 4, 8, 16 and 32 cells a side.
@@ -119,12 +120,10 @@ impl SearchMap {
             let along = |cells: u32| (f64::from(cells) / times).ceil();
             along(geometry.width) * along(geometry.height)
         };
-        #[allow(clippy::cast_precision_loss, reason = "a million")]
-        while cells(times) > CELLS_MAX as f64 {
+        while cells(times) > CELLS_MAX.to_f64() {
             times += 1.0;
         }
-        #[allow(clippy::cast_possible_truncation, reason = "fewer than the map has")]
-        let along = |cells: u32| (f64::from(cells) / times).ceil() as i32;
+        let along = |cells: u32| (f64::from(cells) / times).ceil().to_i32();
         let (width, height) = (along(geometry.width), along(geometry.height));
         let stride = width + BEFORE;
         Self {
@@ -153,12 +152,7 @@ impl SearchMap {
                 if square > reach * reach || !self.holds(x, y) {
                     continue;
                 }
-                #[allow(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "0 to 255"
-                )]
-                let value = (255.0 * (-0.5 * square / (spread * spread)).exp()) as u8;
+                let value = (255.0 * (-0.5 * square / (spread * spread)).exp()).to_u8();
                 let cell = index(x + BEFORE, y + BEFORE, self.stride);
                 self.levels[0][cell] = self.levels[0][cell].max(value);
             }
@@ -230,8 +224,7 @@ impl SearchMap {
                 }
             }
             left -= batch.len();
-            #[allow(clippy::cast_possible_truncation, reason = "a few hundred")]
-            if sum + 255 * left as u32 <= least {
+            if sum + 255 * left.to_u32() <= least {
                 return (0, ends.len() - left);
             }
         }
@@ -262,18 +255,13 @@ impl SearchMap {
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "float to int saturates, far outside is outside"
-)]
 fn floor(at: Point2<f64>) -> (i32, i32) {
-    (at.x.floor() as i32, at.y.floor() as i32)
+    (at.x.floor().to_i32(), at.y.floor().to_i32())
 }
 
 /// Of a cell that lies on the grid.
-#[allow(clippy::cast_sign_loss, reason = "cells of a grid are not negative")]
 fn index(x: i32, y: i32, stride: i32) -> usize {
-    y as usize * stride as usize + x as usize
+    y.to_usize() * stride.to_usize() + x.to_usize()
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::near_points::noise_m;
 use crate::past_scans::PastScans;
 use crate::track::Track;
 use nalgebra::{Matrix2, Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::obstacles::{OBSTACLES_MAX, Obstacle};
 use zeronav_msgs::scan::Scan;
@@ -467,13 +468,10 @@ impl Tracker {
             let was_there = then.ended_at(was_at, gap_m);
             left += usize::from(was_there && now.sees_through(was_at, gap_m));
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_precision_loss,
-            clippy::cast_sign_loss,
-            reason = "at most 4096 points"
-        )]
-        let enough = ((points.len() as f64 * SEEN_MOVING.0).ceil() as usize).max(SEEN_MOVING.1);
+        let enough = (points.len().to_f64() * SEEN_MOVING.0)
+            .ceil()
+            .to_usize()
+            .max(SEEN_MOVING.1);
         entered.max(left) >= enough
     }
 

@@ -1,6 +1,7 @@
 //! Where the map lies when the robot comes to its edge.
 
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::map::{GROWING_TILES_MAX, TILE_CELLS, TILES_PER_KEYFRAME_MAX, tiles_of};
 use zeronav_msgs::{Cell, GridGeometry};
@@ -54,11 +55,7 @@ impl WindowConfig {
         robot: Point2<f64>,
     ) -> Option<(GridGeometry, Cell)> {
         let cell = geometry.unbounded_cell_at(robot);
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "float to int saturates, and the check refuses what is too large"
-        )]
-        let margin = (self.margin_m / geometry.resolution_m).ceil() as i32;
+        let margin = (self.margin_m / geometry.resolution_m).ceil().to_i32();
         let (width, height) = geometry.size();
         let x = Side::of(cell.x, width, margin);
         let y = Side::of(cell.y, height, margin);

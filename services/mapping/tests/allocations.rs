@@ -3,6 +3,7 @@
 mod support;
 
 use support::{Room, config, description};
+use zeronav_casts::Cast;
 use zeronav_mapping::localiser::CorrectionMode;
 use zeronav_mapping::{Mapping, Observation};
 use zeronav_msgs::obstacles::Obstacle;
@@ -22,8 +23,7 @@ fn no_scan_allocates_once_they_repeat_themselves() {
     let mut obstacles: Vec<Obstacle> = Vec::with_capacity(200);
     let mut worst = 0;
     for n in 0..400_u64 {
-        #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
-        let angle = core::f64::consts::TAU * (n % 100) as f64 / 100.0;
+        let angle = core::f64::consts::TAU * (n % 100).to_f64() / 100.0;
         let from = room.pose(
             200.0 + 20.0 * angle.cos(),
             180.0 + 20.0 * angle.sin(),

@@ -5,6 +5,7 @@
 //! before its predecessor, a link whose record is missing, and the robot's own time from capture to
 //! application on a second clock, `CLOCK_MONOTONIC_RAW`.
 
+use zeronav_casts::Cast;
 use zeronav_msgs::span::Span;
 
 /// Names of the hops through the map, in order. The first ends at the capture of the scan that the
@@ -158,11 +159,7 @@ fn second_ns(scan: &Span, applied: &Span) -> Option<u64> {
 }
 
 /// Nanoseconds as microseconds, to a tenth.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "times of a run are far below 2^53 ns"
-)]
 #[must_use]
 pub fn to_us(time_ns: u64) -> f64 {
-    (time_ns as f64 / 100.0).round() / 10.0
+    (time_ns.to_f64() / 100.0).round() / 10.0
 }

@@ -8,6 +8,7 @@
 //!   of an even number is (Hyndman and Fan 1996, definition 7).
 
 use core::cmp::Ordering;
+use zeronav_casts::Cast;
 
 /// What can be put in order.
 pub trait Sample: Copy {
@@ -36,15 +37,9 @@ pub fn percentile<T: Sample>(samples: &mut [T], share: f64) -> Option<T> {
 }
 
 /// Place of the nearest rank among `n` samples in order, at least one.
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a place among samples, of which there are far fewer than 2^53"
-)]
 fn place(n: usize, share: f64) -> usize {
     // Shares such as 0.55 are not exact: 20 of them are not more than 11.
-    let rank = (n as f64 * share - 1.0e-9).ceil().max(1.0) as usize;
+    let rank = (n.to_f64() * share - 1.0e-9).ceil().max(1.0).to_usize();
     rank.min(n) - 1
 }
 

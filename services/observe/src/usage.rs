@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use std::collections::VecDeque;
+use zeronav_casts::Cast;
 
 /// Time over which the share of a processor is taken. [ns]
 const WINDOW_NS: u64 = 2_000_000_000;
@@ -114,11 +115,10 @@ impl Meter {
 }
 
 /// Share of one processor between two readings, to a tenth; `None` without time between them. [%]
-#[allow(clippy::cast_precision_loss, reason = "times of a session")]
 fn share_percent(first: &Reading, last: &Reading) -> Option<f64> {
     let elapsed_ns = last.at_ns.checked_sub(first.at_ns).filter(|ns| *ns > 0)?;
     let ran_ns = last.processor_ns.saturating_sub(first.processor_ns);
-    Some((1.0e3 * ran_ns as f64 / elapsed_ns as f64).round() / 10.0)
+    Some((1.0e3 * ran_ns.to_f64() / elapsed_ns.to_f64()).round() / 10.0)
 }
 
 /// From a `/proc/PID/status`; `None` of a process that has ended. [bytes]

@@ -2,6 +2,7 @@
 
 use crate::value::{Choice, Type, Value};
 use std::path::PathBuf;
+use zeronav_casts::Cast;
 
 /// A type that a parameter can have. [`crate::choices!`] implements it for enums.
 pub trait Setting {
@@ -40,13 +41,8 @@ macro_rules! integers {
             type Bound = Self;
             const TYPE: Type = Type::Integer;
 
-            #[allow(
-                clippy::cast_precision_loss,
-                clippy::cast_lossless,
-                reason = "bounds are small, or the largest value there is"
-            )]
             fn bound(bound: Self) -> f64 {
-                bound as f64
+                bound.to_f64()
             }
 
             fn value(&self) -> Value {

@@ -2,6 +2,7 @@
 
 use core::fmt;
 use serde::{Deserialize, Serialize};
+use zeronav_casts::Cast;
 
 /// Type of a parameter, by the names of JSON schema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,12 +53,8 @@ pub enum Value {
 impl Value {
     /// The first number of the value for which `wrong` holds.
     pub(crate) fn find(&self, wrong: &impl Fn(f64) -> bool) -> Option<&Self> {
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "bounds are far from where it matters"
-        )]
         match self {
-            Self::Integer(value) => wrong(*value as f64).then_some(self),
+            Self::Integer(value) => wrong((*value).to_f64()).then_some(self),
             Self::Number(value) => wrong(*value).then_some(self),
             Self::Array(items) => items.iter().find_map(|item| item.find(wrong)),
             Self::Boolean(_) | Self::String(_) | Self::Unset => None,

@@ -10,6 +10,7 @@ use parry2d::shape::{Ball, Voxels};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
 use std::hint::black_box;
+use zeronav_casts::Cast;
 use zeronav_msgs::{GridGeometry, Pose};
 use zeronav_robot_description::{LidarPreset, LidarSpec};
 use zeronav_robot_sim::lidar::Lidar;
@@ -183,8 +184,7 @@ fn scans(criterion: &mut Criterion) {
     let shapes = room(&mut rng, 300);
     // 1 m/s and 1 rad/s.
     let moving = |age_ns: u64| {
-        #[allow(clippy::cast_precision_loss, reason = "a fraction of a second")]
-        let age_s = age_ns as f64 * 1.0e-9;
+        let age_s = age_ns.to_f64() * 1.0e-9;
         Pose::new(0.02 - age_s, 0.03, 0.4 - age_s)
     };
     criterion.bench_function("RPLidar A1 turning, 300 shapes, all noise", |bencher| {

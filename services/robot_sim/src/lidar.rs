@@ -16,6 +16,7 @@ use core::f64::consts::TAU;
 use nalgebra::{Point2, Vector2};
 use parry2d::math::Vec2;
 use parry2d::query::PointQuery;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::scan::Scan;
@@ -277,10 +278,6 @@ impl Exposure<'_> {
     ///
     /// # Panics
     /// When `ranges` has not one place per beam.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the contract carries f32 ranges"
-    )]
     pub fn finish(self, scan_index: u64, ranges: &mut [f32], beams_on: &mut [u32]) -> Scan {
         let lidar = self.lidar;
         assert!(
@@ -293,7 +290,7 @@ impl Exposure<'_> {
         let all_around = lidar.all_around;
         lidar.returns.of_scan(scan_index, true_m, all_around, found);
         for ((range, found), ended_on) in ranges.iter_mut().zip(found).zip(&lidar.ended_on) {
-            *range = found.range_m as f32;
+            *range = found.range_m.to_f32();
             if found.genuine
                 && let Some(count) = beams_on.get_mut(*ended_on as usize)
             {
@@ -352,18 +349,16 @@ impl Exposure<'_> {
     }
 
     /// The beams that point between two directions of the `laser` frame, as first and end.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "float to int saturates, and both are cut to the beams"
-    )]
     fn beams_between(&self, low_rad: f64, high_rad: f64) -> (usize, usize) {
         let scan = &self.lidar.scan;
         let beam_at = |angle_rad: f64| {
             (angle_rad - f64::from(scan.angle_min_rad)) / f64::from(scan.angle_increment_rad)
         };
-        let first = (beam_at(low_rad) - SLACK_BEAMS).ceil().max(0.0) as usize;
-        let end = (beam_at(high_rad) + SLACK_BEAMS + 1.0).floor().max(0.0) as usize;
+        let first = (beam_at(low_rad) - SLACK_BEAMS).ceil().max(0.0).to_usize();
+        let end = (beam_at(high_rad) + SLACK_BEAMS + 1.0)
+            .floor()
+            .max(0.0)
+            .to_usize();
         (first, end.min(self.lidar.directions.len()))
     }
 

@@ -2,6 +2,7 @@
 
 use crate::bounce::Bounce;
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::time::{nanoseconds, seconds};
@@ -175,11 +176,6 @@ impl Obstacle {
 
     /// The first moment after `run_ns` at which it appears or is somewhere else at once. [ns]
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "float to int saturates"
-    )]
     pub fn next_jump_run_ns(&self, run_ns: u64) -> Option<u64> {
         let appears_ns = self.appears.run_ns?;
         if appears_ns > run_ns {
@@ -190,7 +186,7 @@ impl Obstacle {
             return None;
         };
         let moved_s = self.moved_s(run_ns);
-        let jump_ns = (track.next_jump_s(moved_s)? * 1.0e9).ceil() as u64;
+        let jump_ns = (track.next_jump_s(moved_s)? * 1.0e9).ceil().to_u64();
         Some(from_ns.saturating_add(jump_ns).max(run_ns + 1))
     }
 

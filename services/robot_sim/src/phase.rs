@@ -6,6 +6,7 @@
 
 use crate::drive_state::DriveState;
 use nalgebra::Vector2;
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
@@ -107,20 +108,17 @@ impl Phase {
     }
 
     /// Shift in the map frame after `t_s` on a curve with changing velocities. [m]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a small positive count of panels"
-    )]
     fn integrate(&self, t_s: f64) -> Vector2<f64> {
         let w_end = self.start.twist.w_radps + self.alpha_radps2 * t_s;
         let w_most = self.start.twist.w_radps.abs().max(w_end.abs());
-        let n_panels = (w_most * t_s / PANEL_RAD).ceil().clamp(1.0, 1.0e4) as usize;
-        let half_s = 0.5 * t_s / n_panels as f64;
+        let n_panels = (w_most * t_s / PANEL_RAD)
+            .ceil()
+            .clamp(1.0, 1.0e4)
+            .to_usize();
+        let half_s = 0.5 * t_s / n_panels.to_f64();
         let mut shift = Vector2::zeros();
         for panel in 0..n_panels {
-            let middle_s = (2 * panel + 1) as f64 * half_s;
+            let middle_s = (2 * panel + 1).to_f64() * half_s;
             for (node, weight) in GAUSS {
                 let at_s = middle_s + node * half_s;
                 let v_mps = self.start.twist.v_mps + self.a_mps2 * at_s;

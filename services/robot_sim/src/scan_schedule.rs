@@ -1,5 +1,7 @@
 //! When the lidar turns: scan k is captured at run time k / rate, whatever the tick.
 
+use zeronav_casts::Cast;
+
 /// A scan that falls due in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DueScan {
@@ -32,14 +34,8 @@ impl ScanSchedule {
 
     /// Run time at which scan `index` is captured, to the nearest nanosecond. [ns]
     #[must_use]
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "exact for 104 days of nanoseconds"
-    )]
     pub fn capture_run_ns(&self, index: u64) -> u64 {
-        (index as f64 * 1.0e9 / self.rate_hz).round() as u64
+        (index.to_f64() * 1.0e9 / self.rate_hz).round().to_u64()
     }
 
     /// The newest scan with `after_run_ns < capture <= run_ns`.
@@ -51,14 +47,8 @@ impl ScanSchedule {
     /// assert_eq!(due, Some(DueScan { index: 1, capture_run_ns: 66_666_667 }));
     /// ```
     #[must_use]
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "an estimate that is corrected below"
-    )]
     pub fn due(&self, after_run_ns: u64, run_ns: u64) -> Option<DueScan> {
-        let mut index = (run_ns as f64 * 1.0e-9 * self.rate_hz).round() as u64;
+        let mut index = (run_ns.to_f64() * 1.0e-9 * self.rate_hz).round().to_u64();
         while self.capture_run_ns(index + 1) <= run_ns {
             index += 1;
         }

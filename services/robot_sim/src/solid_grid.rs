@@ -9,6 +9,7 @@
 //! single corner of a square passes; two squares that meet at a corner let nothing through.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::GridGeometry;
 use zeronav_world::{Occupancy, StaticMap};
 
@@ -137,12 +138,8 @@ impl Axis {
 
 /// Largest whole number not above `value`, without the call into the maths library that
 /// `f64::floor` is on processors before SSE4.1. Saturates.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "float to int saturates, and callers clamp to the map"
-)]
 fn floor(value: f64) -> i32 {
-    let whole = value as i32;
+    let whole = value.to_i32();
     whole.saturating_sub(i32::from(f64::from(whole) > value))
 }
 

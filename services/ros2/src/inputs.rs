@@ -5,6 +5,7 @@ use crate::publishers::{Gid, Publishers};
 use crate::stamps::{Moment, Stamps};
 use core::fmt;
 use std::collections::VecDeque;
+use zeronav_casts::Cast;
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::Pose;
 use zeronav_msgs::scan::Scan;
@@ -241,11 +242,7 @@ impl Inputs {
         let Some((before_ns, before, stack)) = self.newest else {
             return;
         };
-        #[allow(
-            clippy::cast_precision_loss,
-            reason = "nanoseconds between two messages"
-        )]
-        let gap_s = at_ns.saturating_sub(before_ns) as f64 * 1.0e-9;
+        let gap_s = at_ns.saturating_sub(before_ns).to_f64() * 1.0e-9;
         let turned_rad = zeronav_msgs::pose::wrap_angle(raw.yaw_rad - before.yaw_rad).abs();
         let is_jump = before.distance_m(raw) > JUMP_M + v_mps.abs() * gap_s
             || (turned_rad > JUMP_RAD && gap_s < 0.5);

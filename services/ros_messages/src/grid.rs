@@ -1,6 +1,7 @@
 //! The map as an occupancy grid: which of its cells changed, and when it is shown as a whole.
 
 use super::view::{UNKNOWN, cost, occupancy};
+use zeronav_casts::Cast;
 use zeronav_msgs::grid::{Cell, CellRect, GridGeometry};
 use zeronav_msgs::header::Id;
 use zeronav_msgs::map::{MapInfo, MapTile};
@@ -48,8 +49,7 @@ impl Grid {
     pub(super) fn costs_around(&self, at: &Pose, half_m: f64) -> Option<(GridGeometry, Vec<i8>)> {
         let view = self.replica.view()?;
         let centre = view.geometry.cell_at(at.point())?;
-        #[allow(clippy::cast_possible_truncation, reason = "a window of some metres")]
-        let half = (half_m / view.geometry.resolution_m).ceil() as i32;
+        let half = (half_m / view.geometry.resolution_m).ceil().to_i32();
         let next = Cell::new(centre.x + 1, centre.y + 1);
         let (min, max) = (centre, next);
         let rect = CellRect { min, max }.grown(half, view.geometry);

@@ -2,6 +2,7 @@
 
 use super::messages as ros;
 use super::topics::frame;
+use zeronav_casts::Cast;
 use zeronav_msgs::command::VelocityCommand;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::grid::{CellRect, GridGeometry};
@@ -104,14 +105,13 @@ fn twist(v_mps: f64, w_radps: f64) -> ros::Twist {
 
 /// A scan whose last beam was captured at `ns`: the stamp is that of the first one.
 #[must_use]
-#[allow(clippy::cast_precision_loss, reason = "at most 4096 beams")]
 pub fn scan(
     ns: u64,
     scan: &Scan,
     ranges: &[f32],
     description: Option<&Description>,
 ) -> ros::LaserScan {
-    let steps = ranges.len().saturating_sub(1) as f32;
+    let steps = ranges.len().saturating_sub(1).to_f32();
     let turn_ns = zeronav_msgs::time::nanoseconds(f64::from(scan.time_increment_s * steps));
     ros::LaserScan {
         header: header(ns.saturating_sub(turn_ns), frame::LASER),
@@ -119,8 +119,7 @@ pub fn scan(
         angle_max: scan.angle_min_rad + steps * scan.angle_increment_rad,
         angle_increment: scan.angle_increment_rad,
         time_increment: scan.time_increment_s,
-        #[allow(clippy::cast_possible_truncation, reason = "ROS has it so")]
-        scan_time: description.map_or(0.0, |it| seconds(it.scan_period_ns) as f32),
+        scan_time: description.map_or(0.0, |it| seconds(it.scan_period_ns).to_f32()),
         range_min: scan.range_m_min,
         range_max: scan.range_m_max,
         ranges: ranges.to_vec(),
@@ -138,8 +137,7 @@ pub fn cloud(
     const STEP: u32 = 12;
     let mut data = Vec::new();
     for [x, y] in points_m {
-        #[allow(clippy::cast_possible_truncation, reason = "clouds have 32-bit floats")]
-        for along in [x as f32, y as f32, 0.0] {
+        for along in [x.to_f32(), y.to_f32(), 0.0] {
             data.extend_from_slice(&along.to_le_bytes());
         }
     }
@@ -276,8 +274,7 @@ pub fn map(ns: u64, geometry: &GridGeometry, cells: &[i8]) -> ros::OccupancyGrid
         header: header(ns, frame::MAP),
         info: ros::MapMetaData {
             map_load_time: time(ns),
-            #[allow(clippy::cast_possible_truncation, reason = "ROS has it so")]
-            resolution: geometry.resolution_m as f32,
+            resolution: geometry.resolution_m.to_f32(),
             width: geometry.width,
             height: geometry.height,
             origin: pose(&Pose::new(geometry.origin_x_m, geometry.origin_y_m, 0.0)),

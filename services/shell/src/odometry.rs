@@ -7,6 +7,7 @@ use crate::reader::Stream;
 use crate::received::Received;
 use crate::roster::Roster;
 use std::collections::VecDeque;
+use zeronav_casts::Cast;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::odometry::Odometry;
 use zeronav_msgs::pose::{Pose, wrap_angle};
@@ -104,12 +105,11 @@ impl OdometryHistory {
     /// `odom_from_base` at a run time before the oldest message, by at most `most_ns`: as its speeds say
     /// that the robot came there. `None` at any other time.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "nanoseconds of a tick")]
     pub fn pose_before(&self, run_ns: u64, most_ns: u64) -> Option<Pose> {
         let oldest = self.samples.front()?;
         let before_ns = oldest.run_ns.checked_sub(run_ns)?;
         let before_s =
-            (0 < before_ns && before_ns <= most_ns).then_some(before_ns as f64 * 1.0e-9)?;
+            (0 < before_ns && before_ns <= most_ns).then_some(before_ns.to_f64() * 1.0e-9)?;
         let Odometry {
             pose,
             v_mps,
@@ -121,7 +121,6 @@ impl OdometryHistory {
 
     /// `odom_from_base` at a run time between two messages, or at one; `None` outside the history.
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "nanoseconds between two ticks")]
     pub fn pose_at(&self, run_ns: u64) -> Option<Pose> {
         let after = self
             .samples
@@ -131,7 +130,7 @@ impl OdometryHistory {
             return Some(later.odometry.pose);
         }
         let earlier = self.samples.get(after.checked_sub(1)?)?;
-        let share = (run_ns - earlier.run_ns) as f64 / (later.run_ns - earlier.run_ns) as f64;
+        let share = (run_ns - earlier.run_ns).to_f64() / (later.run_ns - earlier.run_ns).to_f64();
         let (from, to) = (&earlier.odometry.pose, &later.odometry.pose);
         Some(Pose::new(
             from.x_m + share * (to.x_m - from.x_m),

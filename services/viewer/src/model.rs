@@ -2,6 +2,7 @@
 
 use crate::hops::{BINS_US, Hops, Taken};
 use serde_json::{Value, json};
+use zeronav_casts::Cast;
 use zeronav_msgs::header::{Header, Id};
 use zeronav_msgs::health::Health;
 use zeronav_msgs::role::Role;
@@ -154,11 +155,10 @@ impl Model {
 }
 
 impl Seat {
-    #[allow(clippy::cast_precision_loss, reason = "answers of a second")]
     fn count_rate(&mut self, now_ns: u64) {
         let (answers, since_ns) = self.before.unwrap_or((self.answers, now_ns));
         let elapsed_s = seconds(now_ns.saturating_sub(since_ns)).max(1.0e-3);
-        self.rate_hz = (self.answers - answers) as f64 / elapsed_s;
+        self.rate_hz = (self.answers - answers).to_f64() / elapsed_s;
         self.before = Some((self.answers, now_ns));
     }
 

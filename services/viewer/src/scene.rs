@@ -12,6 +12,7 @@ pub use numbers::{Rounded, point, pose};
 pub use placed::outline;
 pub use rollouts::SceneRollout;
 use serde::Serialize;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
 use zeronav_msgs::description::{Corner, Description};
@@ -149,9 +150,8 @@ impl SceneScan {
     /// A scan that was taken at `map_from_laser`.
     #[must_use]
     pub fn of(scan: &Scan, ranges_m: &[f32], map_from_laser: &Pose) -> Self {
-        #[allow(clippy::cast_possible_truncation, reason = "ranges are below 1 km")]
         let range = |range_m: &f32| match *range_m {
-            range_m if scan.is_hit(range_m) => (f64::from(range_m) * 1.0e3).round() as i32,
+            range_m if scan.is_hit(range_m) => (f64::from(range_m) * 1.0e3).round().to_i32(),
             range_m if range_m.is_infinite() => -1,
             _ => -2,
         };

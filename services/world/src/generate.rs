@@ -10,6 +10,7 @@ use crate::spec::{Family, GeneratedSpec};
 use crate::static_map::{Occupancy, StaticMap};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
+use zeronav_casts::Cast;
 use zeronav_msgs::grid::SIDE_CELLS_MAX;
 use zeronav_msgs::{Cell, GridGeometry};
 
@@ -132,13 +133,7 @@ impl Recipe {
             "goal_cell",
         )?;
         let n_kept = if start == goal { 1 } else { 2 };
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            clippy::cast_precision_loss,
-            reason = "a share of at most 2^26 cells"
-        )]
-        let n_occupied = (spec.ratio * geometry.len() as f64).round() as usize;
+        let n_occupied = (spec.ratio * geometry.len().to_f64()).round().to_usize();
         if matches!(spec.family, Family::Corridor { .. }) && n_occupied > 0 {
             let why = "corridors follow from their width: remove it";
             return Err(SpecError::new("ratio", why));

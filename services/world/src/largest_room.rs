@@ -1,6 +1,7 @@
 //! The largest connected room of a map in which a disc can stand.
 
 use crate::static_map::{Occupancy, StaticMap};
+use zeronav_casts::Cast;
 use zeronav_msgs::Cell;
 
 impl StaticMap {
@@ -34,11 +35,7 @@ impl StaticMap {
     /// For every cell, whether the centre of the disc can stand in it.
     fn standing_room(&self, radius_m: f64) -> Vec<bool> {
         let (width, height) = self.geometry.size();
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "float to int saturates, and rows are bounded below"
-        )]
-        let reach = (radius_m / self.geometry.resolution_m).ceil() as i32;
+        let reach = (radius_m / self.geometry.resolution_m).ceil().to_i32();
         let mut open: Vec<bool> = (self.cells.iter())
             .map(|it| *it == Occupancy::Free)
             .collect();

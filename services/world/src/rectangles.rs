@@ -3,6 +3,7 @@
 use crate::static_map::{Occupancy, StaticMap};
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::Vec2;
+use zeronav_casts::Cast;
 
 /// Rectangles that together cover exactly the occupied cells of `map`, none of them twice: equal
 /// runs of neighbouring rows are one rectangle. Row by row, O(cells).
@@ -10,8 +11,7 @@ pub(crate) fn of_occupied(map: &StaticMap) -> Vec<Aabb> {
     let geometry = &map.geometry;
     let width = geometry.width as usize;
     let corner = |x: usize, y: usize| {
-        #[allow(clippy::cast_precision_loss, reason = "at most 8192")]
-        let (x, y) = (x as f64, y as f64);
+        let (x, y) = (x.to_f64(), y.to_f64());
         Vec2::new(
             geometry.origin_x_m + x * geometry.resolution_m,
             geometry.origin_y_m + y * geometry.resolution_m,

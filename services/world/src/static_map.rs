@@ -4,6 +4,7 @@ use crate::parry_pose::parry_pose;
 use nalgebra::Point2;
 use parry2d::bounding_volume::Aabb;
 use parry2d::math::Vec2;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{COST_LETHAL, FLAG_UNKNOWN, ObstacleSource};
 use zeronav_msgs::pose::wrap_angle;
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
@@ -116,12 +117,7 @@ pub fn covering_geometry(
 #[must_use]
 pub fn cells_along(length_m: f64, resolution_m: f64) -> Option<u32> {
     let n = (length_m / resolution_m - 1.0e-6).ceil().max(1.0);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "checked to be a small positive whole number"
-    )]
-    (n <= f64::from(u32::MAX)).then_some(n as u32)
+    (n <= f64::from(u32::MAX)).then_some(n.to_u32())
 }
 
 fn is_upright(corner: &Pose) -> bool {

@@ -12,6 +12,7 @@ use crate::map_image;
 use crate::pixels::Pixels;
 use serde::Deserialize;
 use std::path::Path;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::zones::{
     ZONE_COST_MAX, ZONE_PARTS_MAX, ZONE_PERCENT_MIN, ZONE_SPEED_MPS_MIN, ZoneKind,
@@ -121,14 +122,10 @@ struct Rect {
 }
 
 impl Rect {
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "a map has 8192 cells along a side"
-    )]
     fn part(&self, corner: &Pose, resolution_m: f64) -> MaskPart {
         let ([x0, x1], [y0, y1]) = (self.x, self.y);
         let at = |x: usize, y: usize| {
-            let (x_m, y_m) = (x as f64 * resolution_m, y as f64 * resolution_m);
+            let (x_m, y_m) = (x.to_f64() * resolution_m, y.to_f64() * resolution_m);
             corner.transform([x_m, y_m].into()).into()
         };
         MaskPart {

@@ -19,6 +19,7 @@ use crate::table::{DataError, Table};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
 use std::path::Path;
+use zeronav_casts::Cast;
 use zeronav_world::spec::{ObstacleSpec, ShapeSpec, Trigger, WorldSpec};
 use zeronav_world::track::Track;
 
@@ -59,13 +60,8 @@ impl Scene {
         let mut walkers: BTreeMap<u64, Vec<[f64; 3]>> = BTreeMap::new();
         for row in table.rows() {
             let id = row.number(1, 0.0, 1.0e15)?;
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "checked to be a whole number that f64 holds exactly"
-            )]
             let id = if id.fract() == 0.0 {
-                id as u64
+                id.to_u64()
             } else {
                 return Err(row.refused("the id must be a whole number"));
             };

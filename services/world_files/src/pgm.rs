@@ -1,6 +1,7 @@
 //! Grey images in the format PGM, as text (P2) or in bytes (P5).
 
 use crate::pixels::{Pixels, check_size, narrow};
+use zeronav_casts::Cast;
 
 /// Largest value that a sample may have.
 const WHITE_MAX: u32 = 65_535;
@@ -114,18 +115,12 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, String> {
 }
 
 /// A value as its part of 255.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    clippy::cast_precision_loss,
-    reason = "whole numbers up to 65535; what is larger is white"
-)]
 fn shade(value: u32, white: u32) -> u8 {
-    let of = |most: f32| (value as f32 * (most / white as f32)).round();
+    let of = |most: f32| (value.to_f32() * (most / white.to_f32())).round();
     match white {
-        0..=254 => of(255.0) as u8,
+        0..=254 => of(255.0).to_u8(),
         255 => value.min(255) as u8,
-        _ => narrow(of(65_535.0) as u16),
+        _ => narrow(of(65_535.0).to_u16()),
     }
 }
 

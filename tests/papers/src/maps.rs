@@ -1,6 +1,7 @@
 //! Random maps of a size and a share of obstacles, the same for the same seed.
 
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView, Pose};
 use zeronav_world::World;
@@ -105,8 +106,7 @@ impl MapSpec {
             tried += u64::from(tries);
             mazes.push(maze);
         }
-        #[allow(clippy::cast_precision_loss, reason = "numbers of maps")]
-        let acceptance = seeds as f64 / tried.max(1) as f64;
+        let acceptance = seeds.to_f64() / tried.max(1).to_f64();
         Ok(Mazes { mazes, acceptance })
     }
 

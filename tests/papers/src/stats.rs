@@ -2,6 +2,7 @@
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
+use zeronav_casts::Cast;
 
 /// Resamples of a bootstrap.
 const RESAMPLES: usize = 2_000;
@@ -22,24 +23,18 @@ pub struct Estimate {
 
 /// Mean of samples with its percentile bootstrap interval (Efron 1979); `None` without a sample.
 #[must_use]
-#[allow(
-    clippy::cast_precision_loss,
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "numbers of maps"
-)]
 pub fn mean(samples: &[f64]) -> Option<Estimate> {
     if samples.is_empty() {
         return None;
     }
     let n = samples.len();
-    let mean = samples.iter().sum::<f64>() / n as f64;
+    let mean = samples.iter().sum::<f64>() / n.to_f64();
     let mut rng = Pcg64Mcg::seed_from_u64(SEED);
     let mut means: Vec<f64> = (0..RESAMPLES)
-        .map(|_| (0..n).map(|_| samples[rng.random_range(0..n)]).sum::<f64>() / n as f64)
+        .map(|_| (0..n).map(|_| samples[rng.random_range(0..n)]).sum::<f64>() / n.to_f64())
         .collect();
     means.sort_by(f64::total_cmp);
-    let at = |share: f64| means[(share * (RESAMPLES - 1) as f64).round() as usize];
+    let at = |share: f64| means[(share * (RESAMPLES - 1).to_f64()).round().to_usize()];
     Some(Estimate {
         mean,
         interval: [at(0.025), at(0.975)],
@@ -49,13 +44,12 @@ pub fn mean(samples: &[f64]) -> Option<Estimate> {
 
 /// Share of `n` with its interval (Wilson 1927); `None` of nothing.
 #[must_use]
-#[allow(clippy::cast_precision_loss, reason = "numbers of maps")]
 pub fn share(hits: usize, n: usize) -> Option<Estimate> {
     const Z: f64 = 1.96;
     if n == 0 {
         return None;
     }
-    let (of, p) = (n as f64, hits as f64 / n as f64);
+    let (of, p) = (n.to_f64(), hits.to_f64() / n.to_f64());
     let middle = p + Z * Z / (2.0 * of);
     let half = Z * (p * (1.0 - p) / of + Z * Z / (4.0 * of * of)).sqrt();
     Some(Estimate {

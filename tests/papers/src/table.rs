@@ -7,6 +7,7 @@ use crate::solve::{Fault, Way, Ways};
 use crate::stack::{Stack, StackError};
 use crate::stats::{self, Estimate};
 use crate::verdict::{Printed, Standing};
+use zeronav_casts::Cast;
 use zeronav_world::generate::GenerateError;
 
 /// How much is measured.
@@ -115,9 +116,8 @@ pub(crate) fn paired(base: &Ways, ours: &Ways, value: impl Fn(&Way) -> f64) -> (
 }
 
 /// Share of `of` that is not among the `n` that count.
-#[allow(clippy::cast_precision_loss, reason = "numbers of maps")]
 pub(crate) fn excluded(n: usize, of: usize) -> f64 {
-    1.0 - n as f64 / of.max(1) as f64
+    1.0 - n.to_f64() / of.max(1).to_f64()
 }
 
 /// Share of the maps that a method solved.
@@ -197,9 +197,8 @@ pub(crate) fn time(
 }
 
 /// A counter as a number to calculate with.
-#[allow(clippy::cast_precision_loss, reason = "expansions on small maps")]
 pub(crate) fn count(n: u64) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 /// What every table says of the safety of its ways: nearest approach, and how many touch a corner.

@@ -10,6 +10,7 @@ use core::cmp::Reverse;
 use serde_json::Value;
 use std::collections::BinaryHeap;
 use std::time::Instant;
+use zeronav_casts::Cast;
 use zeronav_suite::shard::Shard;
 
 /// Rounds, in each of which one worker and two drive the same.
@@ -127,24 +128,14 @@ fn makespan(times_s: &[f64], cores: usize) -> f64 {
     let mut free: BinaryHeap<Reverse<u64>> = (0..cores.max(1)).map(|_| Reverse(0)).collect();
     let mut over_ns = 0;
     for time_s in times_s {
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a run takes less than 500 years"
-        )]
-        let time_ns = (time_s.max(0.0) * NS) as u64;
+        let time_ns = (time_s.max(0.0) * NS).to_u64();
         if let Some(Reverse(at_ns)) = free.pop() {
             let end_ns = at_ns.saturating_add(time_ns);
             over_ns = over_ns.max(end_ns);
             free.push(Reverse(end_ns));
         }
     }
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "far below 2^53 ns, which are 104 days"
-    )]
-    let over_s = over_ns as f64 / NS;
-    over_s
+    over_ns.to_f64() / NS
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Estimates with their spread: quartiles, intervals of rates and of means.
 
 use serde::{Deserialize, Serialize};
+use zeronav_casts::Cast;
 use zeronav_observe::statistics::{percentile, quartiles};
 
 /// Two-sided 95 % of the normal distribution.
@@ -82,9 +83,8 @@ impl Figure {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
 fn number(n: usize) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 #[cfg(test)]

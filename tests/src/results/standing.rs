@@ -8,6 +8,7 @@ use crate::faults::{SERVICES, scenario};
 use crate::workspace;
 use core::fmt::Write;
 use serde_json::Value;
+use zeronav_casts::Cast;
 
 /// Swaps of each seat in one drive, and from one to the next. [s]
 const SWAPS: usize = 20;
@@ -27,12 +28,7 @@ const LEG_S: f64 = 9.0;
 fn drive(bench: &mut Bench, name: &str, time_s: f64, lines: &str) -> Result<Value, String> {
     let file = format!("target/standing/{name}.toml");
     let path = workspace().join(&file);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a few goals"
-    )]
-    let n_goals = (time_s / LEG_S).ceil() as usize + 1;
+    let n_goals = (time_s / LEG_S).ceil().to_usize() + 1;
     let write = || {
         std::fs::create_dir_all(workspace().join("target/standing"))?;
         std::fs::write(&path, scenario(n_goals, lines))

@@ -4,6 +4,7 @@
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_world::WorldSpec;
 use zeronav_world_files::dynabarn::{self, DynabarnWorld};
@@ -145,9 +146,8 @@ fn ways(scene: &Scene) -> [(Pose, Pose); 4] {
 }
 
 /// The `n`-th place in a span, 0 to 1.
-#[allow(clippy::cast_precision_loss, reason = "a number of runs")]
 fn fraction(n: u64) -> f64 {
-    (GOLDEN * n as f64).fract()
+    (GOLDEN * n.to_f64()).fract()
 }
 
 /// The files `PREFIX*.csv` of a folder but its index, by name.

@@ -4,6 +4,7 @@ use super::cases::Case;
 use super::tally::{AFTER_S, AHEAD_S, Failing, Inside, JUDGED, Tally};
 use crate::results::record::{Row, Table};
 use crate::results::spread::Figure;
+use zeronav_casts::Cast;
 
 /// Share of 2-D normal samples in the ellipses of one and of two standard deviations. [%]
 const EXPECTED: [f64; 2] = [39.3, 86.5];
@@ -246,9 +247,8 @@ fn table(title: &str, columns: &[&str], rows: Vec<Row>) -> Table {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "counts far below 2^53")]
 fn number(n: usize) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 #[cfg(test)]

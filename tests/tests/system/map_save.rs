@@ -4,6 +4,7 @@
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{COST_INSCRIBED, COST_UNKNOWN, MapInfo};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::topics::MapKeyframe;
@@ -73,8 +74,7 @@ impl Watcher {
 /// Distance from the centre of `cell` to the nearest occupied square, at most `limit_m`. [m]
 fn clearance_m(map: &StaticMap, cell: Cell, limit_m: f64) -> f64 {
     let resolution_m = map.geometry.resolution_m;
-    #[allow(clippy::cast_possible_truncation, reason = "some ten cells")]
-    let reach = (limit_m / resolution_m).ceil() as i32 + 1;
+    let reach = (limit_m / resolution_m).ceil().to_i32() + 1;
     let mut least_m = limit_m;
     for y in cell.y - reach..=cell.y + reach {
         for x in cell.x - reach..=cell.x + reach {

@@ -4,6 +4,7 @@ use super::outline::{self, Mended};
 use super::parameters::Sections;
 use super::table::{Form, Row};
 use super::yaml::Value;
+use zeronav_casts::Cast;
 
 /// What a parameter gives.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,8 +26,7 @@ impl Given {
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Is(toml::Value::Float(it)) => Some(*it),
-            #[allow(clippy::cast_precision_loss, reason = "a count below 2^53")]
-            Self::Is(toml::Value::Integer(it)) => Some(*it as f64),
+            Self::Is(toml::Value::Integer(it)) => Some((*it).to_f64()),
             _ => None,
         }
     }
@@ -128,8 +128,7 @@ fn count(value: &Value) -> Result<Given, String> {
     if number.fract() != 0.0 || number > 1.0e9 {
         return Err(format!("must be a whole number, not {number}"));
     }
-    #[allow(clippy::cast_possible_truncation, reason = "a whole number below 1e9")]
-    let whole = number as i64;
+    let whole = number.to_i64();
     Ok(Given::Is(whole.into()))
 }
 

@@ -5,6 +5,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde_saphyr::options::NonFiniteFloatPolicy;
 use serde_saphyr::{Error, Spanned};
+use zeronav_casts::Cast;
 
 /// Most tables and lists inside each other.
 const DEPTH_MAX: usize = 32;
@@ -102,10 +103,6 @@ impl<'de> Deserialize<'de> for Value {
 
 struct OfAnyType;
 
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "a parameter beyond 2^53 is out of every range that is asked for"
-)]
 impl<'de> Visitor<'de> for OfAnyType {
     type Value = Value;
 
@@ -130,19 +127,19 @@ impl<'de> Visitor<'de> for OfAnyType {
     }
 
     fn visit_i64<E>(self, it: i64) -> Result<Value, E> {
-        Ok(Value::Number(it as f64))
+        Ok(Value::Number(it.to_f64()))
     }
 
     fn visit_u64<E>(self, it: u64) -> Result<Value, E> {
-        Ok(Value::Number(it as f64))
+        Ok(Value::Number(it.to_f64()))
     }
 
     fn visit_i128<E>(self, it: i128) -> Result<Value, E> {
-        Ok(Value::Number(it as f64))
+        Ok(Value::Number(it.to_f64()))
     }
 
     fn visit_u128<E>(self, it: u128) -> Result<Value, E> {
-        Ok(Value::Number(it as f64))
+        Ok(Value::Number(it.to_f64()))
     }
 
     fn visit_f64<E>(self, it: f64) -> Result<Value, E> {

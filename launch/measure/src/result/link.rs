@@ -4,6 +4,7 @@ use super::latency::{Hop, Latency};
 use core::fmt;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 
 /// What the link of the robot's host says of a run: since its last start, if it was started again.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -44,10 +45,9 @@ pub struct Carried {
 }
 
 impl fmt::Display for LinkResult {
-    #[allow(clippy::cast_precision_loss, reason = "bytes of a run, far below 2^53")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bytes = |of: fn(&Carried) -> u64| -> u64 { self.topics.values().map(of).sum() };
-        let rate = |bytes: u64| bytes as f64 / self.time_s.max(1.0e-3) / 1.0e3;
+        let rate = |bytes: u64| bytes.to_f64() / self.time_s.max(1.0e-3) / 1.0e3;
         write!(
             f,
             "to {}: {:.0} kB/s sent, {:.0} kB/s received, {} frames lost, {} cuts",

@@ -1,6 +1,7 @@
 //! What the stages said of why the robot does what it does, at one moment.
 
 use serde::{Deserialize, Serialize};
+use zeronav_casts::Cast;
 use zeronav_msgs::command::{Intervention, PlannerInput, RecoveryReason, RequestCause, Validity};
 use zeronav_msgs::map::ObstacleSource;
 use zeronav_msgs::path::{PathBlock, PathCause, PathStatus};
@@ -382,13 +383,8 @@ impl Task {
 
     /// The same so much later, if nothing else has been heard. [s]
     #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped"
-    )]
     pub fn after(self, time_s: f64) -> Self {
-        let past_s = time_s.clamp(0.0, f64::from(u16::MAX)) as u16;
+        let past_s = time_s.clamp(0.0, f64::from(u16::MAX)).to_u16();
         // Waiting does not end by its being told late.
         let waits_s = self.waits_s.saturating_sub(past_s).max(self.waits_s.min(1));
         Self { waits_s, ..self }

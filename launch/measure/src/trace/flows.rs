@@ -5,6 +5,7 @@ use super::layout::{About, Key, Slice, key, pid};
 use crate::Records;
 use crate::joins::Joins;
 use std::collections::{BTreeMap, BTreeSet};
+use zeronav_casts::Cast;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::Span;
 
@@ -71,7 +72,6 @@ fn write_flow(name: &str, parts: &[Slice], id: u64, events: &mut Vec<TraceEvent>
 }
 
 /// How old scan and plan are when a command reaches the wheels.
-#[allow(clippy::cast_precision_loss, reason = "times of a run")]
 fn write_ages<'a>(
     joins: &Joins<'a>,
     applied: &'a Span,
@@ -81,7 +81,7 @@ fn write_ages<'a>(
     let Ok([scan, local, ..]) = joins.direct(applied) else {
         return;
     };
-    let age_ms = |since_ns: u64| applied.started_ns.saturating_sub(since_ns) as f64 / 1.0e6;
+    let age_ms = |since_ns: u64| applied.started_ns.saturating_sub(since_ns).to_f64() / 1.0e6;
     let at_ns = about.since(applied.started_ns);
     let ages = TraceEvent::counter(pid(Role::Robot), "age at the wheels [ms]", at_ns);
     let mut ages = ages.arg("scan", age_ms(scan.capture_ns).into());

@@ -6,6 +6,7 @@
 
 use serde::Serialize;
 use serde_json::{Map, Value};
+use zeronav_casts::Cast;
 
 /// A process of the trace and a thread in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,12 +62,8 @@ pub(super) enum FlowPart {
 }
 
 /// Nanoseconds as microseconds, exactly.
-#[allow(
-    clippy::cast_precision_loss,
-    reason = "times of a run are far below 2^53 ns"
-)]
 fn us(time_ns: u64) -> f64 {
-    time_ns as f64 / 1.0e3
+    time_ns.to_f64() / 1.0e3
 }
 
 impl TraceEvent {

@@ -3,6 +3,7 @@ use crate::Records;
 use crate::index::{PathRecord, Sighting};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_msgs::path::{PathCause, PathStatus};
 use zeronav_msgs::role::Role;
 use zeronav_msgs::span::{Span, SpanKind};
@@ -137,9 +138,8 @@ fn is_stage(name: &str) -> bool {
 }
 
 /// As Perfetto reads it. [ns]
-#[allow(clippy::cast_possible_truncation, reason = "times of a short run")]
 fn ns(time_us: f64) -> i64 {
-    (time_us * 1.0e3).round() as i64
+    (time_us * 1.0e3).round().to_i64()
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::StackFault;
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_msgs::time::nanoseconds;
 use zeronav_world::spec::Near;
 
@@ -88,12 +89,7 @@ impl Schedule {
         let near = self.near.iter().map(|(near, _)| {
             let way_m = (distance_m(near, last.centre_m) - near.distance_m).max(0.0);
             // A little less than it could be, so that rounding lets none pass.
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "not below 0, and a huge one saturates"
-            )]
-            let ticks = (way_m / (1.01 * pace.step_m_max + 1.0e-6)).floor() as u64;
+            let ticks = (way_m / (1.01 * pace.step_m_max + 1.0e-6)).floor().to_u64();
             last.tick.saturating_add(ticks.max(pace.notice()))
         });
         near.chain(timed).min().unwrap_or(u64::MAX)

@@ -15,6 +15,7 @@ use core::ops::Range;
 use nalgebra::Point2;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 
 /// States of a layer, at most: of the first search, of the second and so on.
@@ -209,20 +210,17 @@ impl Search<'_> {
     }
 
     /// The cell of a state.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "cells of a world's area, and some classes of yaws and speeds"
-    )]
     fn cell(&self, end: &Node, v_mps: f64) -> u64 {
         let geometry = self.task.world.geometry();
-        let side = |value_m: f64, from_m: f64| ((value_m - from_m) / CELL_M).max(0.0) as u64;
+        let side = |value_m: f64, from_m: f64| ((value_m - from_m) / CELL_M).max(0.0).to_u64();
         let x = side(end.at_m[0], geometry.origin_x_m);
         let y = side(end.at_m[1], geometry.origin_y_m);
-        let yaw = (end.yaw_rad.rem_euclid(TAU) / TAU * YAWS).min(YAWS - 1.0) as u64;
+        let yaw = (end.yaw_rad.rem_euclid(TAU) / TAU * YAWS)
+            .min(YAWS - 1.0)
+            .to_u64();
         let [slowest_mps, fastest_mps] = self.task.abilities.v_mps;
         let class_mps = fastest_mps / SPEEDS;
-        let speed = ((v_mps - slowest_mps) / class_mps).round() as u64;
+        let speed = ((v_mps - slowest_mps) / class_mps).round().to_u64();
         (x << 42) | (y << 20) | (yaw << 12) | speed.min(0xfff)
     }
 
@@ -346,7 +344,6 @@ fn sequence(traces: &[Vec<Trace>], last: Trace) -> Vec<usize> {
     pairs
 }
 
-#[allow(clippy::cast_precision_loss, reason = "manoeuvres of some minutes")]
 fn count(n: usize) -> f64 {
-    n as f64
+    n.to_f64()
 }

@@ -5,6 +5,7 @@
 //! all of them are integrated once and then only placed.
 
 use super::super::oracle::robot::{Abilities, State};
+use zeronav_casts::Cast;
 
 /// How long a manoeuvre lasts. [s]
 pub(super) const MANOEUVRE_S: f64 = 0.4;
@@ -134,9 +135,8 @@ pub(super) fn step(now: &State, towards: VelocityPair, abilities: &Abilities) ->
 }
 
 /// Run time after some steps. [s]
-#[allow(clippy::cast_precision_loss, reason = "steps of some minutes")]
 pub(super) fn step_s(steps: usize) -> f64 {
-    steps as f64 * STEP_S
+    steps.to_f64() * STEP_S
 }
 
 /// `value` after it has changed towards `target`, by at most `up` away from zero and `down` towards
@@ -235,11 +235,6 @@ fn rates(abilities: &Abilities) -> Vec<f64> {
 }
 
 /// `1 / parts`, `2 / parts` and so on up to 1.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "60 parts at most"
-)]
 fn shares(parts: f64) -> impl Iterator<Item = f64> {
-    (1..=parts as u32).map(move |part| f64::from(part) / parts)
+    (1..=parts.to_u32()).map(move |part| f64::from(part) / parts)
 }

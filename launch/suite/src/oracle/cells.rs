@@ -2,6 +2,7 @@
 
 use super::reach::Reach;
 use super::robot::{Disc, State};
+use zeronav_casts::Cast;
 
 /// Side of a cell. [m]
 const CELL_M: f64 = 0.06;
@@ -21,19 +22,13 @@ pub(super) struct FreeSet {
 }
 
 impl FreeSet {
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a window of some metres in cells"
-    )]
     pub(super) fn new(state: &State, reach_m: f64) -> Self {
-        let half = ((reach_m / CELL_M).ceil() as usize + 2).min(SIDE_MAX / 2);
+        let half = ((reach_m / CELL_M).ceil().to_usize() + 2).min(SIDE_MAX / 2);
         let side = 2 * half + 1;
         let mut cells = vec![false; side * side];
         cells[half * side + half] = true;
         // The robot is in the middle of the middle cell.
-        let to_corner_m = (half as f64 + 0.5) * CELL_M;
+        let to_corner_m = (half.to_f64() + 0.5) * CELL_M;
         Self {
             corner_m: [state.at_m[0] - to_corner_m, state.at_m[1] - to_corner_m],
             side,
@@ -44,23 +39,17 @@ impl FreeSet {
     }
 
     /// Adds every cell with a point that is within `by_m` of a point of one that is in it.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
-        reason = "a few cells"
-    )]
     pub(super) fn grow(&mut self, by_m: f64) {
         let by = by_m / CELL_M;
-        let whole = by.ceil() as usize + 1;
+        let whole = by.ceil().to_usize() + 1;
         // How far to either side a row that is `dy` away reaches.
         let reach: Vec<usize> = (0..=whole)
             .map(|dy| {
-                let between = dy.saturating_sub(1) as f64;
+                let between = dy.saturating_sub(1).to_f64();
                 if between > by {
                     0
                 } else {
-                    (by * by - between * between).sqrt().floor() as usize + 1
+                    (by * by - between * between).sqrt().floor().to_usize() + 1
                 }
             })
             .collect();
@@ -100,7 +89,6 @@ impl FreeSet {
     }
 
     /// Leaves the cells with a point in the box where a disc of `radius_m` touches nothing.
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred cells")]
     pub(super) fn retain(
         &mut self,
         within: &Reach,
@@ -118,8 +106,8 @@ impl FreeSet {
                     continue;
                 }
                 let at_m = [
-                    self.corner_m[0] + (x as f64 + 0.5) * CELL_M,
-                    self.corner_m[1] + (y as f64 + 0.5) * CELL_M,
+                    self.corner_m[0] + (x.to_f64() + 0.5) * CELL_M,
+                    self.corner_m[1] + (y.to_f64() + 0.5) * CELL_M,
                 ];
                 // Only a cell in which every place touches something is lost.
                 let is_free = |(centre, radius): &Disc| {

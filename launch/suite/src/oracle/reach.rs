@@ -3,6 +3,7 @@
 
 use super::robot::{Abilities, Disc, State};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 
 /// Steps of the integrals over a look.
 const FINE: u32 = 20;
@@ -130,9 +131,8 @@ impl<'a> Reach<'a> {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "some thousands")]
 fn count(n: usize) -> f64 {
-    n as f64
+    n.to_f64()
 }
 
 /// Least and largest `v cos a` for `v` and `a` in these intervals.

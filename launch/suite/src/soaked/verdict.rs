@@ -4,6 +4,7 @@ use super::Soaked;
 use core::fmt::Write;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use zeronav_casts::Cast;
 use zeronav_msgs::role::Role;
 use zeronav_scenario::mortals;
 
@@ -208,9 +209,8 @@ impl Totals {
 
 /// Upper bound at 95 % of the rate of something that did not happen in `n` independent trials; `None`
 /// without a trial.
-#[allow(clippy::cast_precision_loss, reason = "a count far below 2^53")]
 fn upper_95(n: u64) -> Option<f64> {
-    (n > 0).then(|| 1.0 - 0.05_f64.powf(1.0 / n as f64))
+    (n > 0).then(|| 1.0 - 0.05_f64.powf(1.0 / n.to_f64()))
 }
 
 impl SoakReport {

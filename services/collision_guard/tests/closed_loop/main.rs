@@ -12,6 +12,7 @@ use nalgebra::{Point2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use world::{HALF_M, Post, Shape, World};
+use zeronav_casts::Cast;
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, Limits, OdometryInput, ScanInput};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
@@ -94,8 +95,7 @@ impl Loop {
         };
         let scan = Scan {
             n_beams: u32::from(BEAMS),
-            #[allow(clippy::cast_possible_truncation, reason = "a direction on the wire")]
-            angle_increment_rad: step_rad as f32,
+            angle_increment_rad: step_rad.to_f32(),
             range_m_max: 20.0,
             ..Scan::default()
         };
@@ -143,8 +143,7 @@ impl Loop {
             let direction = Vector2::new(cos, sin);
             let range_m = self.world.range_m(from, direction);
             hits.push(from + direction * range_m);
-            #[allow(clippy::cast_possible_truncation, reason = "a range on the wire")]
-            ranges.push(range_m as f32);
+            ranges.push(range_m.to_f32());
         }
         (*captured, *pose) = (self.tick, self.pose);
         self.seen.push(View {

@@ -1,6 +1,7 @@
 //! A lidar that shows nothing where it should show something stops the robot, and nothing else does.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use zeronav_casts::Cast;
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityRequest};
@@ -45,12 +46,11 @@ struct Drive {
 impl Drive {
     fn new(boxes: &[Box2], pose: Pose, laser_yaw_rad: f64, range_m_max: f64) -> Self {
         let step_rad = TAU / f64::from(BEAMS);
-        #[allow(clippy::cast_possible_truncation, reason = "numbers on the wire")]
         let scan = Scan {
             n_beams: BEAMS,
-            angle_increment_rad: step_rad as f32,
+            angle_increment_rad: step_rad.to_f32(),
             range_m_min: 0.1,
-            range_m_max: range_m_max as f32,
+            range_m_max: range_m_max.to_f32(),
             ..Scan::default()
         };
         Self {
@@ -81,11 +81,6 @@ impl Drive {
     }
 
     /// What the lidar shows when it works in directions of `base` for which `works` is true.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        reason = "a range on the wire, and noise"
-    )]
     fn look(&mut self, nothing: f32, works: &dyn Fn(f64) -> bool) {
         for beam in 0..BEAMS as usize {
             let in_base = self.scan.0.angle_of(beam) + self.description.base_from_laser.yaw_rad;
@@ -93,12 +88,12 @@ impl Drive {
             let from = [self.pose.x_m, self.pose.y_m];
             let ranges = self.boxes.iter().map(|it| to_box(from, [cos, sin], *it));
             // Exact ranges along a wall would look frozen.
-            let noise_m = 0.001 * ((self.tick * 31 + beam as u64 * 17) % 7) as f64;
+            let noise_m = 0.001 * ((self.tick * 31 + beam as u64 * 17) % 7).to_f64();
             let range_m = ranges.fold(f64::INFINITY, f64::min) + noise_m;
             self.scan.1[beam] = if !works(zeronav_msgs::pose::wrap_angle(in_base)) {
                 nothing
             } else if range_m < self.description.range_m_max {
-                range_m as f32
+                range_m.to_f32()
             } else {
                 f32::INFINITY
             };

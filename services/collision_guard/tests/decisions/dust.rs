@@ -2,6 +2,7 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use zeronav_casts::Cast;
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Validity, VelocityRequest};
@@ -63,25 +64,23 @@ impl Bench {
     }
 
     /// The lidar from the next scan on until there is another.
-    #[allow(clippy::cast_possible_truncation, reason = "ranges on the wire")]
     fn scan(&mut self, ranges: impl FnOnce(f64, &mut [f32])) {
         self.scan_x_m = self.x_m;
         // A wall far around: no field for which the lidar is blind.
         // It changes with the place, so that the lidar is not frozen.
-        self.ranges.fill(5.0 + (self.x_m / 1000.0) as f32);
+        self.ranges.fill(5.0 + (self.x_m / 1000.0).to_f32());
         ranges(self.x_m, &mut self.ranges);
         for _ in 0..self.each {
             self.period();
         }
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "numbers on the wire")]
     fn period(&mut self) {
         self.periods += 1;
         let (run_ns, number) = (self.periods * PERIOD_NS, (self.periods - 1) / self.each);
         let scan = Scan {
             n_beams: self.robot.n_beams,
-            angle_increment_rad: self.robot.angle_increment_rad as f32,
+            angle_increment_rad: self.robot.angle_increment_rad.to_f32(),
             range_m_max: 12.0,
             ..Scan::default()
         };
@@ -138,9 +137,8 @@ impl Bench {
 }
 
 /// A thing ahead at `post_m` that stops only the beam straight ahead.
-#[allow(clippy::cast_possible_truncation, reason = "ranges on the wire")]
 fn post(post_m: f64) -> impl Fn(f64, &mut [f32]) {
-    move |x_m, ranges| ranges[0] = (post_m - x_m) as f32
+    move |x_m, ranges| ranges[0] = (post_m - x_m).to_f32()
 }
 
 #[test]
@@ -263,9 +261,8 @@ fn rain_lets_the_robot_drive() {
                 for range_m in ranges {
                     let (chance, share): (f64, f64) = (random.random(), random.random());
                     let short_m = -0.5 * (1.0 - share).ln();
-                    #[allow(clippy::cast_possible_truncation, reason = "a range on the wire")]
                     if chance < rate && short_m > 0.1 {
-                        *range_m = short_m as f32;
+                        *range_m = short_m.to_f32();
                     }
                 }
             });

@@ -1,6 +1,7 @@
 //! Near obstacles: how fast the robot may still be, and from when on it must be able to stop.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, Limits, OdometryInput, ScanInput};
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
@@ -32,12 +33,11 @@ fn robot() -> Description {
 }
 
 /// Ranges to a round post, seen from the middle of the robot. [m]
-#[allow(clippy::cast_possible_truncation, reason = "ranges on the wire")]
 fn ranges_to(post: Point2<f64>) -> (Scan, Vec<f32>) {
     let robot = robot();
     let scan = Scan {
         n_beams: robot.n_beams,
-        angle_increment_rad: robot.angle_increment_rad as f32,
+        angle_increment_rad: robot.angle_increment_rad.to_f32(),
         range_m_max: 20.0,
         ..Scan::default()
     };
@@ -46,7 +46,7 @@ fn ranges_to(post: Point2<f64>) -> (Scan, Vec<f32>) {
         let along = post.coords.dot(&Vector2::new(cos, sin));
         let squared = POST_M * POST_M - (post.coords.norm_squared() - along * along);
         if along > 0.0 && squared > 0.0 {
-            (along - squared.sqrt()) as f32
+            (along - squared.sqrt()).to_f32()
         } else {
             f32::INFINITY
         }

@@ -1,5 +1,6 @@
 //! Scans and odometry over time: what waits, what is old, and what a jump makes of both.
 
+use zeronav_casts::Cast;
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, OdometryInput, ScanInput};
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Intervention, Validity, VelocityRequest};
@@ -73,8 +74,7 @@ impl Bench {
             ..VelocityRequest::default()
         };
         let behind = self.tick - self.scan_tick;
-        #[allow(clippy::cast_precision_loss, reason = "a few ticks")]
-        let scan_x_m = self.x_m - 0.006 * behind as f64;
+        let scan_x_m = self.x_m - 0.006 * behind.to_f64();
         let command = self.guard.decide(&GuardInputs {
             robot: Some((&robot, &[])),
             request: Some((request, MS)),

@@ -4,6 +4,7 @@
 use nalgebra::Point2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use zeronav_casts::Cast;
 use zeronav_collision_guard::{Guard, GuardConfig, GuardInputs, Limits, OdometryInput, ScanInput};
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{Intervention, Validity, VelocityCommand, VelocityRequest};
@@ -86,10 +87,9 @@ impl Drive {
             n_corners: 4,
             ..Description::default()
         };
-        #[allow(clippy::cast_possible_truncation, reason = "a direction on the wire")]
         let scan = Scan {
             n_beams: u32::from(BEAMS),
-            angle_increment_rad: step_rad as f32,
+            angle_increment_rad: step_rad.to_f32(),
             range_m_max: 20.0,
             ..Scan::default()
         };

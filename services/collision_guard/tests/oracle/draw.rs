@@ -6,6 +6,7 @@ use crate::past::{Past, placed};
 use crate::slow::{Hit, Obeyed, Outline, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use zeronav_casts::Cast;
 use zeronav_collision_guard::GuardConfig;
 use zeronav_msgs::Pose;
 use zeronav_msgs::command::{Validity, VelocityRequest};
@@ -172,11 +173,10 @@ impl Draw {
             brake_mps2: description.brake_mps2,
             alpha_radps2: description.alpha_radps2_max,
         };
-        #[allow(clippy::cast_possible_truncation, reason = "numbers on the wire")]
         let scan = Scan {
             n_beams,
-            angle_increment_rad: step_rad as f32,
-            time_increment_s: random.random_range(0.0..0.001_f64).max(0.0005) as f32 - 0.0005,
+            angle_increment_rad: step_rad.to_f32(),
+            time_increment_s: random.random_range(0.0..0.001_f64).max(0.0005).to_f32() - 0.0005,
             range_m_max: 20.0,
             ..Scan::default()
         };
@@ -244,12 +244,12 @@ impl Draw {
         for _ in 0..random.random_range(0..6) {
             let beam = random.random_range(0..n);
             // Inside the outline now and then, just outside, or somewhere.
-            #[allow(clippy::cast_possible_truncation, reason = "a range on the wire")]
-            let range_m = match random.random_range(0..12) {
+            let range_m = (match random.random_range(0..12) {
                 0 => random.random_range(0.01..outer_m),
                 1 => outer_m + random.random_range(0.0..0.05),
                 _ => random.random_range(outer_m..far_m),
-            } as f32;
+            })
+            .to_f32();
             self.ranges[beam] = range_m;
             if random.random_bool(0.5) {
                 self.ranges[(beam + 1) % n] = range_m + random.random_range(-0.12_f32..0.12).abs();
@@ -278,12 +278,7 @@ impl Draw {
         for thing in &self.things {
             let [dx, dy] = [thing[0] - at[0], thing[1] - at[1]];
             let turns = (dy.atan2(dx) - yaw).rem_euclid(std::f64::consts::TAU) / step_rad;
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a beam and a range on the wire"
-            )]
-            let (beam, range_m) = (turns.round() as usize % n, dx.hypot(dy) as f32);
+            let (beam, range_m) = (turns.round().to_usize() % n, dx.hypot(dy).to_f32());
             self.ranges[beam] = self.ranges[beam].min(range_m);
         }
         for beam in new {
@@ -377,7 +372,6 @@ impl Draw {
     }
 
     /// What the robot obeys until a command of now takes effect, each with its end from now. [s]
-    #[allow(clippy::cast_precision_loss, reason = "a few seconds")]
     pub(crate) fn on_their_way(&self) -> Vec<Obeyed> {
         let delay_ns = self.description.actuation_delay_ns;
         if delay_ns == 0 {
@@ -393,7 +387,7 @@ impl Draw {
         );
         let ends = obeyed.iter().skip(1).map(|next| next.0);
         let ends = ends.chain([self.run_ns + delay_ns]);
-        let from_now = |at_ns: u64| (at_ns as f64 - self.run_ns as f64) / 1.0e9;
+        let from_now = |at_ns: u64| (at_ns.to_f64() - self.run_ns.to_f64()) / 1.0e9;
         (obeyed.iter().zip(ends))
             .map(|((_, speeds), end_ns)| (*speeds, from_now(end_ns)))
             .filter(|(_, end_s)| *end_s > 0.0)

@@ -8,6 +8,7 @@ pub mod movingai;
 
 use movingai::{GridMap, Scenario};
 use std::path::{Path, PathBuf};
+use zeronav_casts::Cast;
 
 /// A map and its questions.
 pub struct Set {
@@ -73,9 +74,8 @@ pub fn spread<T: Copy>(items: &[T], n: Option<usize>) -> Vec<T> {
 }
 
 /// Geometric mean, smallest and largest.
-#[allow(clippy::cast_precision_loss, reason = "a few numbers")]
 pub fn spread_of(ratios: &[f64]) -> (f64, f64, f64) {
-    let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64).exp();
+    let mean = (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len().to_f64()).exp();
     let min = ratios.iter().copied().fold(f64::INFINITY, f64::min);
     let max = ratios.iter().copied().fold(0.0, f64::max);
     (mean, min, max)

@@ -2,6 +2,7 @@
 //! or elsewhere, that close a door, or that vanish, and a wall around the goal.
 
 use crate::support::{Map, Rng, of_cost};
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
 use zeronav_msgs::{Cell, CellRect, MapCell};
 
@@ -101,7 +102,7 @@ pub(crate) fn apply(
     let margin = if uniform {
         0
     } else {
-        (INFLATION_M / resolution_m).ceil() as i32 + 1
+        (INFLATION_M / resolution_m).ceil().to_i32() + 1
     };
     let rect = block.grown(margin, &map.geometry);
     let mut before = Vec::new();
@@ -130,9 +131,7 @@ pub(crate) fn apply(
             } else if clearance_m <= INSCRIBED_M {
                 COST_INSCRIBED
             } else {
-                #[allow(clippy::cast_sign_loss, reason = "between 0 and 252")]
-                let cost = (252.0 * (-INFLATION_FACTOR * (clearance_m - INSCRIBED_M)).exp()) as u8;
-                cost
+                (252.0 * (-INFLATION_FACTOR * (clearance_m - INSCRIBED_M)).exp()).to_u8()
             };
             if cost > old.cost {
                 map.cells[index] = of_cost(cost);

@@ -15,11 +15,6 @@
 //! its expansions.
 
 #![allow(clippy::print_stdout, reason = "it is a table")]
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    reason = "indices and numbers of events"
-)]
 
 mod change;
 #[path = "../common/mod.rs"]
@@ -36,6 +31,7 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use support::{Map, Rng, of_cost};
+use zeronav_casts::Cast;
 use zeronav_global_planner::{
     CellPath, Choose, Control, GlobalPlanner, Jps, Mpgaa, PlannerOptions,
 };
@@ -172,7 +168,7 @@ fn print_memory(map: &Map) {
         let _ = planner.plan(&query, &mut |_| Control::Go, &mut path);
         while planner.prepare(&map.pose(ends.0), 10_000) {}
     }
-    let per_cell = |bytes: usize| bytes as f64 / map.cells.len() as f64;
+    let per_cell = |bytes: usize| bytes.to_f64() / map.cells.len().to_f64();
     println!(
         "memory per cell [bytes]: mpgaa {:.1}, jps {:.1}, canonical {:.1}",
         per_cell(kept.memory_bytes()),

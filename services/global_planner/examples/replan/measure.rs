@@ -3,6 +3,7 @@
 use crate::change::{Kind, apply, place, undo};
 use crate::support::{Map, Rng};
 use std::time::Instant;
+use zeronav_casts::Cast;
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, Corridor, GlobalPlanner, GlobalPlannerConfig, Legality,
     PlanQuery, PlannerOptions, Replanner, Situation, Step, Target, Unknown, row_of,
@@ -237,7 +238,7 @@ impl Bench {
         }
         times.incremental = incremental.time;
         times.scratch = scratch.time;
-        times.ratio = incremental.expanded as f64 / scratch.expanded.max(1) as f64;
+        times.ratio = incremental.expanded.to_f64() / scratch.expanded.max(1).to_f64();
         let same = match (incremental.cost, scratch.cost) {
             (Some(one), Some(other)) => (one - other).abs() <= 1e-3 * other,
             (one, other) => one.is_none() && other.is_none(),

@@ -2,6 +2,7 @@
 
 use super::node::Spot;
 use super::{Changed, GoalField, State};
+use zeronav_casts::Cast;
 use zeronav_msgs::{CellRect, MapView};
 
 impl GoalField {
@@ -38,14 +39,10 @@ impl GoalField {
                 for (n, (cell, price)) in cells.iter().zip(prices).enumerate() {
                     let new = self.unknown.cost(*cell);
                     let old = core::mem::replace(price, new);
-                    #[allow(
-                        clippy::cast_possible_truncation,
-                        reason = "spots and positions fit 32 bits"
-                    )]
                     let (spot, x, y) = (
-                        (first + n) as Spot,
-                        (columns.start + n) as u32 + 1,
-                        y as u32 + 1,
+                        (first + n).to_u32(),
+                        (columns.start + n).to_u32() + 1,
+                        y.to_u32() + 1,
                     );
                     if new != old && matches!(self.state, State::Growing | State::Whole) {
                         self.raise.note(spot);

@@ -3,6 +3,7 @@
 use crate::bucket_queue::BucketQueue;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
+use zeronav_casts::low_u32;
 
 /// See the module's description.
 pub(super) trait OpenList {
@@ -54,9 +55,8 @@ impl OpenList for HeapQueue {
         self.peak = self.peak.max(self.items.len());
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "the lower half, as pushed")]
     fn pop(&mut self) -> Option<u32> {
-        self.items.pop().map(|item| item.0 as u32)
+        self.items.pop().map(|item| low_u32(item.0))
     }
 
     fn least(&self) -> u32 {

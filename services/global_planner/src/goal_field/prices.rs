@@ -6,6 +6,7 @@
 use super::node::Spot;
 pub(super) use crate::planner::BLOCKED;
 use crate::planner::Unknown;
+use zeronav_casts::low_u8;
 use zeronav_msgs::MapView;
 
 /// Bytes behind the last cell, so that a row of neighbours can be read as four.
@@ -65,8 +66,7 @@ impl Prices {
         // Counter-clockwise from east: the row above runs against the bytes.
         let above = u64::from(above.swap_bytes() & 0xffff_ff00);
         let around = here >> 16 & 0xff | above | (here & 0xff) << 32 | below << 40;
-        #[allow(clippy::cast_possible_truncation, reason = "one byte of four")]
-        let own = (here >> 8) as u8;
+        let own = low_u8(here >> 8);
         (own, around)
     }
 

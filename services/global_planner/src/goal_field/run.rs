@@ -8,6 +8,7 @@ use super::prices::{BLOCKED, Prices};
 use crate::moves::{STEPS, octile};
 use crate::planner::{Control, CornerRule, Expansions, PlanStats};
 use crate::search::{COST_SO_FAR_MAX, Found};
+use zeronav_casts::low_u8;
 
 /// Expansions between two looks at the budget: some 50 us, after which it may be known that there is no
 /// way.
@@ -188,8 +189,7 @@ impl<Q: OpenList> Run<'_, Q> {
         let (own, around) = self.prices.around(spot);
         // Prices by the number of eighth turns from the direction of arrival.
         let turned = around.rotate_right(8 * (step & 7));
-        #[allow(clippy::cast_possible_truncation, reason = "one byte of eight")]
-        let at = |turn: u32| (turned >> (8 * turn)) as u8;
+        let at = |turn: u32| low_u8(turned >> (8 * turn));
         let [straight, diagonal] = self.steps;
         let dear = |table: &[u32; 256], price: u8| table[usize::from(price)];
         let mut offer = |turn: u32| {

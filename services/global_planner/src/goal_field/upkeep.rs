@@ -8,6 +8,7 @@ use crate::bucket_queue::BucketQueue;
 use crate::search::COST_SO_FAR_MAX;
 use core::cmp::Reverse;
 use std::collections::BinaryHeap;
+use zeronav_casts::low_u32;
 use zeronav_msgs::Cell;
 
 /// Bounds that are forgotten in the time of an expansion.
@@ -117,8 +118,7 @@ impl GoalField {
                 self.eased_box = EasedBox::EMPTY;
                 return true;
             };
-            #[allow(clippy::cast_possible_truncation, reason = "the two halves, as pushed")]
-            let (left, spot) = ((item >> 32) as u32, item as u32);
+            let (left, spot) = (low_u32(item >> 32), low_u32(item));
             if self.left.at(spot) == left && left <= self.reach {
                 self.relax(spot, |heap, left, spot| {
                     heap.1

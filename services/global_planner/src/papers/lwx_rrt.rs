@@ -11,6 +11,7 @@ use crate::planner::PlanError;
 use nalgebra::{Point2, Vector2};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
+use zeronav_casts::Cast;
 use zeronav_msgs::Cell;
 use zeronav_params::parameters;
 
@@ -144,12 +145,8 @@ impl Tree {
 }
 
 /// The cell that a point lies in; coordinates are in cells from the map's lower left corner.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "points of a map of at most 2^13 cells a side"
-)]
 fn cell_of(at: Point2<f64>) -> Cell {
-    Cell::new(at.x.floor() as i32, at.y.floor() as i32)
+    Cell::new(at.x.floor().to_i32(), at.y.floor().to_i32())
 }
 
 /// Centre of a cell, in cells from the map's lower left corner.

@@ -10,6 +10,7 @@ use crate::moves::Neighbours;
 use crate::papers::field::{Field, LENGTHS, Look, Marks, Meter, distance};
 use crate::papers::on_map::{NO_WAY, Solver};
 use crate::planner::{PlanError, PlanStats};
+use zeronav_casts::Cast;
 use zeronav_msgs::Cell;
 use zeronav_msgs::map::FLAG_REGULARISED;
 use zeronav_params::{choices, parameters};
@@ -214,17 +215,13 @@ impl Walk {
 }
 
 /// The step of [`crate::moves::STEPS`] nearest to the direction from `from` to `to`.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number from 0 to 7 after the remainder"
-)]
 fn direction(from: Cell, to: Cell) -> usize {
     let angle = f64::from(to.y - from.y).atan2(f64::from(to.x - from.x));
     // A whole vector is never half-way between two of the eight, tan 22.5 deg being irrational.
     (angle / core::f64::consts::FRAC_PI_4)
         .round()
-        .rem_euclid(8.0) as usize
+        .rem_euclid(8.0)
+        .to_usize()
         % 8
 }
 

@@ -3,6 +3,7 @@
 
 use crate::support::{Map, Rng, of_cost};
 use proptest::prelude::*;
+use zeronav_casts::Cast;
 use zeronav_global_planner::{
     CellPath, Control, CornerRule, Expansions, GlobalPlanner, PLANNERS, PlanError, PlanQuery,
     PlanStats, PlannerOptions, PlannerRow, Unknown, supercover,
@@ -309,12 +310,7 @@ fn narrow_door() -> (Map, impl Fn(char) -> Cell) {
             let inscribed = clearance_mm <= 120.0;
             known = of_cost(if inscribed { COST_INSCRIBED } else { 0 });
         }
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "0 to 1000"
-        )]
-        let clearance_mm = clearance_mm as u16;
+        let clearance_mm = clearance_mm.to_u16();
         map.put(
             cell,
             MapCell {

@@ -4,6 +4,7 @@
 
 use crate::support::{Map, Rng};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_global_planner::{
     Control, CornerRule, GlobalPlannerConfig, Replanner, Situation, Step, Target,
 };
@@ -54,18 +55,15 @@ fn make(map: &Map, key: &str, rule: CornerRule, smooth_m: f64, robot: Pose, goal
     }
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few steps per cell"
-)]
 /// The cells along the lines between points, looked at every fortieth of a cell. What is seen only
 /// once is a corner that is touched.
 fn passed(map: &Map, points: &[Point2<f64>]) -> Vec<Cell> {
     let mut cells = Vec::new();
     let mut before = None;
     for pair in points.windows(2) {
-        let n = ((pair[1] - pair[0]).norm() / map.geometry.resolution_m * 40.0).ceil() as u32;
+        let n = ((pair[1] - pair[0]).norm() / map.geometry.resolution_m * 40.0)
+            .ceil()
+            .to_u32();
         for k in 0..=n.max(1) {
             let at = pair[0] + (pair[1] - pair[0]) * (f64::from(k) / f64::from(n.max(1)));
             let cell = map.geometry.cell_at(at).expect("on the map");

@@ -1,14 +1,10 @@
 //! Maps for tests and benches: drawn as text, or made from a seed.
 
 #![allow(dead_code, reason = "every test and bench uses its own part")]
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "costs lie between 0 and 252, reaches are a few cells"
-)]
 
 pub(crate) mod cycle;
 
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL, FLAG_SENSED, FLAG_STATIC};
 use zeronav_msgs::{Cell, CellRect, GridGeometry, MapCell, MapView, Pose};
 
@@ -104,7 +100,7 @@ impl Map {
     /// Gives free cells the costs of the obstacles around them.
     pub(crate) fn inflate(&mut self, inscribed_m: f64, radius_m: f64, factor: f64) {
         let resolution_m = self.geometry.resolution_m;
-        let reach = (radius_m / resolution_m).ceil() as i32 + 1;
+        let reach = (radius_m / resolution_m).ceil().to_i32() + 1;
         let (width, height) = self.geometry.size();
         let lethal: Vec<Cell> = (0..height)
             .flat_map(|y| (0..width).map(move |x| Cell::new(x, y)))
@@ -120,7 +116,7 @@ impl Map {
                     } else if clearance_m <= inscribed_m {
                         COST_INSCRIBED
                     } else {
-                        (252.0 * (-factor * (clearance_m - inscribed_m)).exp()) as u8
+                        (252.0 * (-factor * (clearance_m - inscribed_m)).exp()).to_u8()
                     };
                     let cell = Cell::new(from.x + x, from.y + y);
                     if let Some(index) = self.geometry.index_of(cell) {

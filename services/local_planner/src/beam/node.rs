@@ -2,6 +2,7 @@
 
 use super::visited;
 use crate::surroundings::LocalPose;
+use zeronav_casts::Cast;
 use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// Sides of a cell after the first manoeuvre: of the distance in a second at full speed, [rad], of the
@@ -67,20 +68,16 @@ pub(super) struct Node {
 
 impl Node {
     /// The cell that it is in after so many manoeuvres, for a robot with this full speed. [m/s]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "some metres in cells; saturates"
-    )]
     pub(super) fn cell(&self, depth: f32, fastest_mps: f32) -> visited::Cell {
         let State { x, y, yaw, v, .. } = self.state;
         let side_m = CELL_S * depth * fastest_mps;
         let side_rad = CELL_RAD * (0.75 + 0.25 * depth);
         let side_mps = CELL_SPEED * fastest_mps;
         [
-            (x / side_m).floor() as i16,
-            (y / side_m).floor() as i16,
-            (yaw / side_rad).round() as i16,
-            (v / side_mps).round() as i16,
+            (x / side_m).floor().to_i16(),
+            (y / side_m).floor().to_i16(),
+            (yaw / side_rad).round().to_i16(),
+            (v / side_mps).round().to_i16(),
         ]
     }
 }

@@ -7,6 +7,7 @@ use crate::dynamic_obstacles::DynamicObstacles;
 use crate::lanes::data::narrow;
 use crate::surroundings::Surroundings;
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
 use zeronav_msgs::rollouts::RolloutOutcome;
@@ -16,9 +17,8 @@ pub(super) const LOOKS: usize = 4;
 
 impl BeamConfig {
     /// [s] between two checked poses.
-    #[allow(clippy::cast_precision_loss, reason = "a handful")]
     pub(super) fn look_s(&self) -> f64 {
-        self.manoeuvre_s / LOOKS as f64
+        self.manoeuvre_s / LOOKS.to_f64()
     }
 }
 
@@ -251,7 +251,6 @@ impl Space<'_> {
 
     /// Where a manoeuvre from `node` leads, or what is in the way. `near` are the discs that it can
     /// meet.
-    #[allow(clippy::cast_precision_loss, reason = "at most some hundred looks")]
     pub(super) fn drive(
         &self,
         node: &Node,
@@ -282,7 +281,7 @@ impl Space<'_> {
                 let space = self.surroundings.space(state.place(), self.soft);
                 space.ok_or(blocked(RolloutOutcome::Collision))?
             };
-            let elapsed_s = (look + 1) as f32 * step_s;
+            let elapsed_s = (look + 1).to_f32() * step_s;
             let discs = self.dynamic.at_step(look);
             let mut least = near_m;
             for &i in near {

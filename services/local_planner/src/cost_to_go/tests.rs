@@ -5,6 +5,7 @@
 use super::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use zeronav_casts::Cast;
 use zeronav_msgs::{Cell, GridGeometry, MapCell};
 
 const GEOMETRY: GridGeometry = GridGeometry {
@@ -19,9 +20,9 @@ const GEOMETRY: GridGeometry = GridGeometry {
 fn world(top_m: f64) -> Vec<MapCell> {
     let mut cells = vec![MapCell::default(); GEOMETRY.len()];
     for (index, cell) in cells.iter_mut().enumerate() {
-        let at = GEOMETRY.centre_of(Cell::new(index as i32 % 80, index as i32 / 80));
+        let at = GEOMETRY.centre_of(Cell::new(index.to_i32() % 80, index.to_i32() / 80));
         let (dx, dy) = ((at.x - 4.0).abs() - 0.1, (at.y - top_m).max(0.0));
-        cell.clearance_mm = (dx.max(0.0).hypot(dy).min(1.5) * 1000.0) as u16;
+        cell.clearance_mm = (dx.max(0.0).hypot(dy).min(1.5) * 1000.0).to_u16();
     }
     cells
 }
@@ -93,7 +94,7 @@ fn oracle(cost_to_go: &CostToGo, seeds: &[(u32, u32)]) -> Vec<u32> {
     loop {
         let before = costs.clone();
         for index in 0..side * side {
-            let cost = costs[index as usize];
+            let cost = costs[index.to_usize()];
             if cost == UNREACHED {
                 continue;
             }
@@ -102,7 +103,7 @@ fn oracle(cost_to_go: &CostToGo, seeds: &[(u32, u32)]) -> Vec<u32> {
                 if x < 0 || y < 0 || x >= side || y >= side {
                     continue;
                 }
-                let next = (y * side + x) as usize;
+                let next = (y * side + x).to_usize();
                 let factor = u32::from(cost_to_go.factors[next]);
                 if factor > 0 {
                     costs[next] = costs[next].min(cost + length * factor / 256);

@@ -8,12 +8,6 @@
 //! space in are passed over: the least clearance of the row bounds how far it may drive unseen.
 
 #![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "at most 64 speeds, 64 yaw rates and 64 steps"
-)]
-#![allow(
     clippy::needless_range_loop,
     clippy::single_match_else,
     reason = "several arrays step by step and lane by lane"
@@ -27,6 +21,7 @@ use crate::lanes::{
     advance, least_nearest_m, lower_space, lower_space_around, note_space, strike, turn,
 };
 use crate::surroundings::Surroundings;
+use zeronav_casts::Cast;
 use zeronav_motion::{Twist, reachable, sinc};
 use zeronav_msgs::obstacles::OBSTACLES_MAX;
 
@@ -244,7 +239,7 @@ impl RolloutGrid {
             if arcs[k] <= free_until {
                 continue;
             }
-            let step = k as f32;
+            let step = k.to_f32();
             // Rollouts that have ended tell nothing more.
             let ended = |lanes: &[f32]| lanes.iter().all(|hit| *hit < step);
             let hits = row.hit[..n].chunks_exact(WIDTH);
@@ -332,7 +327,7 @@ impl RolloutGrid {
                 let away = disc[0] * disc[0] + disc[1] * disc[1];
                 let reach = arcs[k] + disc[2];
                 if disc[2] > 0.0 && away <= reach * reach {
-                    strike(x, y, *disc, k as f32, &mut row.struck[..n]);
+                    strike(x, y, *disc, k.to_f32(), &mut row.struck[..n]);
                 }
             }
         }

@@ -6,6 +6,7 @@ use crate::lanes::data::{LANES_MAX, WIDTH, narrow};
 use crate::pilot::scene::Scene;
 use crate::record::{DrawnRollout, Record};
 use crate::rollout_scores::{Evaluate, ScoredRollouts, Terms};
+use zeronav_casts::Cast;
 use zeronav_motion::{Twist, stop_angle_rad, stop_distance_m};
 use zeronav_msgs::rollouts::RolloutOutcome;
 
@@ -156,31 +157,24 @@ fn steps_to(grid: &RolloutGrid, speed: usize, arc_m: f64) -> usize {
 }
 
 /// The step that a lane of [`RolloutGrid`] was marked with; `n` when it was not.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a step's index"
-)]
 fn steps_until(mark: f32, n: usize) -> usize {
     // What is infinite becomes the largest number.
-    (mark as u32 as usize).min(n)
+    (mark.to_u32() as usize).min(n)
 }
 
 /// How bad it is to touch an obstacle: 0 when none is touched, 1 when at once, never less than a
 /// third, so that the robot gives way as soon as it sees it coming.
-#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
 fn collision_cost(struck: usize, n: usize) -> f64 {
     if struck >= n {
         0.0
     } else {
-        1.0 / 3.0 + 2.0 / 3.0 * (1.0 - struck as f64 / n as f64)
+        1.0 / 3.0 + 2.0 / 3.0 * (1.0 - struck.to_f64() / n.to_f64())
     }
 }
 
 /// Takes in where the rollouts of a speed end: with the scored steps or before static obstacles, and
 /// on which the robot can stop before static obstacles (`v^2 / 2a + v t_reaction + margin <= free arc`,
 /// on the spot the same with angles) and before what comes.
-#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
 fn settle(
     grid: &RolloutGrid,
     window: &Window<'_>,
@@ -190,11 +184,11 @@ fn settle(
 ) {
     let (v, steps, row) = (grid.speeds[speed], grid.steps, &grid.row);
     let needed_m = stop_distance_m(window.robot, v, window.reaction_s);
-    let stopped = steps_to(grid, speed, needed_m + window.stop_margin_m) as f32;
+    let stopped = steps_to(grid, speed, needed_m + window.stop_margin_m).to_f32();
     let comes = if v.abs() < STOPPED_MPS {
         0.0
     } else {
-        steps_to(grid, speed, needed_m) as f32
+        steps_to(grid, speed, needed_m).to_f32()
     };
     rated.admissible = 0;
     for (lane, &w_radps) in grid.yaw_rates.iter().enumerate().take(LANES_MAX) {
@@ -218,7 +212,7 @@ fn settle(
     rated.space = row.space;
     rated.collision_cost.fill(0.0);
     for lane in 0..grid.yaw_rates.len() {
-        if row.hit[lane] <= scored as f32 {
+        if row.hit[lane] <= scored.to_f32() {
             let end = steps_until(row.hit[lane], steps).saturating_sub(1);
             (rated.x[lane], rated.y[lane]) = (row.x[end][lane], row.y[end][lane]);
             rated.half_x[lane] = row.x[end / 2][lane];

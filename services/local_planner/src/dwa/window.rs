@@ -1,10 +1,6 @@
 //! The dynamic window: which twists are looked at.
 
-#![allow(
-    clippy::cast_precision_loss,
-    reason = "at most 64 speeds, 64 yaw rates and 64 steps"
-)]
-
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::description::Description;
 
@@ -48,7 +44,7 @@ impl Window<'_> {
     /// Steps of a rollout.
     pub(crate) fn steps(&self) -> usize {
         let mut n = 1;
-        while n < STEPS_MAX && (n as f64 + 0.5) * self.step_s < self.horizon_s {
+        while n < STEPS_MAX && (n.to_f64() + 0.5) * self.step_s < self.horizon_s {
             n += 1;
         }
         n
@@ -64,8 +60,9 @@ pub(crate) fn ramp_mean(from: f64, to: f64, rate: f64, dt: f64) -> f64 {
 /// `n >= 2` values evenly spread over a range, its ends included.
 pub(crate) fn spread(values: &mut Vec<f64>, range: Range, n: usize) {
     values.clear();
-    let last = (n.max(2) - 1) as f64;
-    values.extend((0..n.max(2)).map(|i| range.low + (range.high - range.low) * (i as f64 / last)));
+    let last = (n.max(2) - 1).to_f64();
+    values
+        .extend((0..n.max(2)).map(|i| range.low + (range.high - range.low) * (i.to_f64() / last)));
 }
 
 /// Moves the nearest value onto `onto` when that lies in the range.

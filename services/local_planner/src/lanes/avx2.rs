@@ -14,10 +14,11 @@ use core::arch::x86_64::{
     _mm256_setzero_si256, _mm256_slli_epi32, _mm256_sqrt_ps, _mm256_storeu_ps, _mm256_sub_epi32,
     _mm256_sub_ps,
 };
+use zeronav_casts::Cast;
 
 /// True when the kernels may be called with this sheet.
 pub(super) fn is_here(sheet: &Sheet<'_>) -> bool {
-    let side = sheet.side.max(0) as usize;
+    let side = sheet.side.max(0).to_usize();
     std::is_x86_feature_detected!("avx2") && side >= 2 && sheet.cells.len() >= side * side
 }
 
@@ -63,7 +64,7 @@ pub(super) unsafe fn least_nearest_m(sheet: &Sheet<'_>, x: &[f32], y: &[f32]) ->
 unsafe fn bound(sheet: &Sheet<'_>, x: __m256, y: __m256) -> __m256 {
     let inverse = _mm256_set1_ps(sheet.inverse);
     let zero = _mm256_setzero_ps();
-    let last = _mm256_set1_ps((sheet.side - 2) as f32);
+    let last = _mm256_set1_ps((sheet.side - 2).to_f32());
     let place = |at: __m256, centre: f32| {
         let shifted = _mm256_add_ps(_mm256_mul_ps(at, inverse), _mm256_set1_ps(centre));
         _mm256_min_ps(_mm256_max_ps(shifted, zero), last)
@@ -159,14 +160,14 @@ fn high_bits(index: __m256i) -> (__m256, __m256) {
 #[target_feature(enable = "avx2")]
 pub(super) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Projections) {
     let n = stretch.n.min(SAMPLES);
-    let last = _mm256_set1_epi32(n as i32 - 2);
+    let last = _mm256_set1_epi32(n.to_i32() - 2);
     let (zero, one) = (_mm256_setzero_si256(), _mm256_set1_epi32(1));
-    let sample = _mm256_set1_epi32(SAMPLE_BITS as i32);
+    let sample = _mm256_set1_epi32(SAMPLE_BITS.to_i32());
     let places = x.chunks_exact(WIDTH).zip(y.chunks_exact(WIDTH));
     for (start, (x, y)) in (0..LANES_MAX).step_by(WIDTH).zip(places) {
         // SAFETY: chunks of eight.
         let at = unsafe { (_mm256_loadu_ps(x.as_ptr()), _mm256_loadu_ps(y.as_ptr())) };
-        let mut key = _mm256_set1_epi32(f32::MAX.to_bits() as i32);
+        let mut key = _mm256_set1_epi32(f32::MAX.to_bits().to_i32());
         let mut index = zero;
         for (x, y) in stretch.x[..n].iter().zip(&stretch.y[..n]) {
             let dx = _mm256_sub_ps(_mm256_set1_ps(*x), at.0);

@@ -1,5 +1,7 @@
 //! What the kernels work on: plain arrays, lane by lane.
 
+use zeronav_casts::Cast;
+
 /// Most lanes of a row.
 pub(crate) const LANES_MAX: usize = 64;
 
@@ -97,12 +99,8 @@ pub(crate) struct Stretch {
     pub(crate) direction_y: Samples,
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "metres near the robot, micrometres do not matter"
-)]
 pub(crate) fn narrow(value: f64) -> f32 {
-    value as f32
+    value.to_f32()
 }
 
 /// The smaller of two numbers, neither of which is NaN.

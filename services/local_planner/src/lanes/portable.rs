@@ -8,6 +8,7 @@
 use super::data::{
     LANES_MAX, Lanes, Projection, Projections, SAMPLE_BITS, Sheet, Stretch, Turns, WIDTH, narrow,
 };
+use zeronav_casts::Cast;
 use zeronav_msgs::MapCell;
 
 #[inline(always)]
@@ -91,9 +92,9 @@ pub(super) fn lower_block(
     scale: f32,
 ) {
     for (row, cells) in cells.chunks_exact_mut(side).enumerate() {
-        let dy = (row as f32 - y) * scale;
-        for (cell, column) in cells[from..=to].iter_mut().zip(from as i32..) {
-            let dx = (column as f32 - x) * scale;
+        let dy = (row.to_f32() - y) * scale;
+        for (cell, column) in cells[from..=to].iter_mut().zip(from.to_i32()..) {
+            let dx = (column.to_f32() - x) * scale;
             let squared = dx * dx + dy * dy;
             *cell = if squared < *cell { squared } else { *cell };
         }
@@ -169,9 +170,13 @@ pub(super) fn places_on(stretch: &Stretch, x: &[f32], y: &[f32], found: &mut Pro
 
 fn nearest(sheet: &Sheet<'_>, x: f32, y: f32) -> f32 {
     let last = sheet.side - 1;
-    let column = ((x * sheet.inverse + sheet.centre.0 + 0.5) as i32).clamp(0, last);
-    let row = ((y * sheet.inverse + sheet.centre.1 + 0.5) as i32).clamp(0, last);
-    sheet.cells[(row * sheet.side + column) as usize]
+    let column = (x * sheet.inverse + sheet.centre.0 + 0.5)
+        .to_i32()
+        .clamp(0, last);
+    let row = (y * sheet.inverse + sheet.centre.1 + 0.5)
+        .to_i32()
+        .clamp(0, last);
+    sheet.cells[(row * sheet.side + column).to_usize()]
 }
 
 pub(super) fn least_nearest_m(sheet: &Sheet<'_>, x: &[f32], y: &[f32]) -> f32 {
@@ -182,13 +187,13 @@ pub(super) fn least_nearest_m(sheet: &Sheet<'_>, x: &[f32], y: &[f32]) -> f32 {
 
 /// See [`crate::field::ClearanceField::bound_m`].
 fn bound(sheet: &Sheet<'_>, x: f32, y: f32) -> f32 {
-    let last = (sheet.side - 2) as f32;
+    let last = (sheet.side - 2).to_f32();
     let u = (x * sheet.inverse + sheet.centre.0).clamp(0.0, last);
     let v = (y * sheet.inverse + sheet.centre.1).clamp(0.0, last);
-    let (column, row) = (u as i32, v as i32);
-    let (fu, fv) = (u - column as f32, v - row as f32);
-    let start = (row * sheet.side + column) as usize;
-    let side = sheet.side as usize;
+    let (column, row) = (u.to_i32(), v.to_i32());
+    let (fu, fv) = (u - column.to_f32(), v - row.to_f32());
+    let start = (row * sheet.side + column).to_usize();
+    let side = sheet.side.to_usize();
     let (b0, b1) = (sheet.cells[start], sheet.cells[start + 1]);
     let (a0, a1) = (sheet.cells[start + side], sheet.cells[start + side + 1]);
     let low = b0 + (b1 - b0) * fu;

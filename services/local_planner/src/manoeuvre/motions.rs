@@ -1,5 +1,6 @@
 //! The motions that a manoeuvre is made of: arcs ahead and back, and turns on the spot.
 
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
@@ -130,13 +131,8 @@ pub(crate) fn straight(
     ]
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few dozen"
-)]
 fn steps(swept_m: f64) -> u32 {
-    (swept_m / SPACING_M).ceil().max(1.0) as u32
+    (swept_m / SPACING_M).ceil().max(1.0).to_u32()
 }
 
 /// Every motion of a robot whose outline reaches so far [m], for a search that goes from where the robot

@@ -10,13 +10,6 @@
 //! stage). Every pose of a motion is checked with the true outline. The remaining cost is that of the
 //! way of a point robot, weighted, so the first manoeuvre found is a good one, not the best.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "indices of cells, bounded"
-)]
-
 use super::motions::{Motion, TURN, motions, straight};
 use super::space::{HALF_M, Space};
 use super::targets::Targets;
@@ -24,6 +17,7 @@ use crate::footprint::Footprint;
 use core::cmp::Ordering;
 use core::f64::consts::{PI, TAU};
 use std::collections::BinaryHeap;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::description::Description;
 
@@ -308,7 +302,7 @@ impl Search {
     fn expand(&mut self, footprint: &Footprint, node: u32, from: &Node) {
         for index in 0..self.motions.len() {
             let motion = self.motions[index];
-            let direction = motion.direction as i8;
+            let direction = motion.direction.to_i8();
             let driven = if self.undone { motion.undone() } else { motion };
             let own = driven.cost();
             let mut cost = from.cost + own;
@@ -341,7 +335,7 @@ impl Search {
                 cost,
                 clearance_m,
                 parent: node,
-                motion: index as u8,
+                motion: index.to_u8(),
                 direction,
                 inside,
             };
@@ -398,13 +392,13 @@ impl Search {
     }
 
     fn push(&mut self, node: Node, to_go: f64) {
-        let index = self.nodes.len() as u32;
+        let index = self.nodes.len().to_u32();
         let cell = cell_of(&node.pose);
         if node.clearance_m > self.roomiest.1 {
             self.roomiest = (index, node.clearance_m);
         }
         if self.cells[cell] == 0 {
-            self.used.push(cell as u32);
+            self.used.push(cell.to_u32());
         }
         self.cells[cell] = index + 1;
         self.nodes.push(node);
@@ -416,8 +410,12 @@ impl Search {
 }
 
 fn cell_of(pose: &Pose) -> usize {
-    let side = SIDE as f64;
-    let along = |at_m: f64| ((at_m / HALF_M + 1.0) * 0.5 * side).clamp(0.0, side - 1.0) as usize;
-    let yaw = (pose.yaw_rad.rem_euclid(TAU) / TAU * YAWS as f64) as usize;
+    let side = SIDE.to_f64();
+    let along = |at_m: f64| {
+        ((at_m / HALF_M + 1.0) * 0.5 * side)
+            .clamp(0.0, side - 1.0)
+            .to_usize()
+    };
+    let yaw = (pose.yaw_rad.rem_euclid(TAU) / TAU * YAWS.to_f64()).to_usize();
     (yaw.min(YAWS - 1) * SIDE + along(pose.y_m)) * SIDE + along(pose.x_m)
 }

@@ -3,19 +3,13 @@
 //!
 //! All positions are relative to where the robot stood, along the axes of the map.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "indices of a window of a few dozen cells, clamped before use"
-)]
-
 use crate::field::ClearanceField;
 use crate::footprint::Footprint;
 use crate::lanes::data::narrow;
 use crate::past_hits::{Hit, is_remembered};
 use crate::squares::Squares;
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 
 /// [m] from where the robot stands to the sides of the window.
@@ -84,7 +78,7 @@ impl Space {
         self.unsorted.extend(points.filter(inside).map(of(false)));
         self.sort();
         self.coarse.clear();
-        let at = |index: usize| narrow((index as f64 + 0.5) * CELL_M - HALF_M);
+        let at = |index: usize| narrow((index.to_f64() + 0.5) * CELL_M - HALF_M);
         for y in 0..CELLS {
             for x in 0..CELLS {
                 self.coarse.push(field.nearest_m(at(x), at(y)));
@@ -95,7 +89,7 @@ impl Space {
     /// Takes in, for a robot that does not see where it backs, of which places nothing is known; those within
     /// `own_m` of it count as known: it stands there.
     pub(crate) fn fill_unseen(&mut self, own_m: f64, is_unknown: impl Fn(Vector2<f64>) -> bool) {
-        let at = |index: usize| (index as f64 + 0.5) * CELL_M - HALF_M;
+        let at = |index: usize| (index.to_f64() + 0.5) * CELL_M - HALF_M;
         self.unseen.clear();
         for y in 0..CELLS {
             for x in 0..CELLS {
@@ -210,7 +204,9 @@ impl Space {
 
 /// The coarse cell along an axis.
 pub(crate) fn cell(at_m: f64) -> usize {
-    ((at_m + HALF_M) / CELL_M).clamp(0.0, CELLS as f64 - 1.0) as usize
+    ((at_m + HALF_M) / CELL_M)
+        .clamp(0.0, CELLS.to_f64() - 1.0)
+        .to_usize()
 }
 
 fn bucket(at_m: f64) -> usize {

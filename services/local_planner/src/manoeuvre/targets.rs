@@ -1,15 +1,11 @@
 //! Where a manoeuvre may end: poses on the path from which the controller gets on, or the goal.
 
-#![allow(
-    clippy::cast_precision_loss,
-    reason = "indices of a window of a few dozen cells"
-)]
-
 use super::space::{CELL_M, CELLS, HALF_M, Space, cell};
 use crate::footprint::Footprint;
 use core::cmp::Reverse;
 use core::f64::consts::PI;
 use std::collections::BinaryHeap;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_msgs::pose::wrap_angle;
 
@@ -82,7 +78,6 @@ pub(crate) struct Targets {
 
 impl Targets {
     /// Finds the ways over cells wide enough for the inscribed disc of the outline (Dijkstra).
-    #[allow(clippy::cast_possible_truncation, reason = "64 targets, 4096 cells")]
     pub(crate) fn find_ways(&mut self, space: &Space, footprint: &Footprint) {
         self.to_go.clear();
         self.to_go.resize(CELLS * CELLS, UNREACHED);
@@ -92,8 +87,8 @@ impl Targets {
         for (i, target) in self.all.iter().enumerate().take(TARGETS_MAX) {
             let index = cell(target.pose.y_m) * CELLS + cell(target.pose.x_m);
             self.to_go[index] = 0;
-            self.leads_to[index] = i as u8;
-            self.queue.push(Reverse((0, index as u16)));
+            self.leads_to[index] = i.to_u8();
+            self.queue.push(Reverse((0, index.to_u16())));
         }
         // A cell of the map may be larger than what is in it.
         let needed_m = footprint.inscribed_m - 0.75 * CELL_M;
@@ -110,7 +105,7 @@ impl Targets {
                 if next < self.to_go[to] && space.coarse_m(to_x, to_y) >= needed_m {
                     self.to_go[to] = next;
                     self.leads_to[to] = self.leads_to[index];
-                    self.queue.push(Reverse((next, to as u16)));
+                    self.queue.push(Reverse((next, to.to_u16())));
                 }
             }
         }

@@ -10,6 +10,7 @@ use crate::lanes::data::{Projections, Sheet, least, narrow};
 use crate::lanes::{least_nearest_m, lower_space};
 use crate::local_path::LocalPath;
 use crate::surroundings::Surroundings;
+use zeronav_casts::Cast;
 
 /// Samples of a batch: whole vectors, and not more than can be projected at once.
 pub(crate) const LANES: usize = 40;
@@ -58,13 +59,7 @@ pub(crate) struct Batch {
 impl Batch {
     pub(crate) fn new(steps: usize) -> Self {
         let lanes = || vec![[0.0; LANES]; steps];
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_precision_loss,
-            clippy::cast_sign_loss,
-            reason = "at most 64 steps"
-        )]
-        let nearer = (NEARER * steps as f64) as usize;
+        let nearer = (NEARER * steps.to_f64()).to_usize();
         let near = (STRIDES.0..=nearer).step_by(STRIDES.0);
         let far = (nearer + STRIDES.1..=steps).step_by(STRIDES.1);
         Self {
@@ -148,8 +143,7 @@ impl Batch {
             } else {
                 lower_space_rough(&sheet, at, heading, (discs, enough), &mut space);
             }
-            #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
-            let number = step as f32;
+            let number = step.to_f32();
             for (hit, space) in self.hit.iter_mut().zip(&space) {
                 let first = if *space < need { number } else { f32::INFINITY };
                 *hit = least(*hit, first);
@@ -158,8 +152,7 @@ impl Batch {
         }
         self.free = [1; LANES];
         for station in 1..STATIONS {
-            #[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
-            let ends = self.station(station) as f32;
+            let ends = self.station(station).to_f32();
             for (free, hit) in self.free.iter_mut().zip(&self.hit) {
                 *free += usize::from(ends < *hit);
             }

@@ -13,6 +13,7 @@
 use super::batch::{LANES, Lanes};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use zeronav_casts::Cast;
 
 /// Steps from knot to knot.
 pub(crate) const KNOT_STEPS: usize = 4;
@@ -73,8 +74,7 @@ impl Noise {
     /// Noise of the speeds and the yaw rates of a row at a step, between its knots.
     pub(crate) fn at(&self, row: usize, step: usize, speeds: &mut Lanes, yaw_rates: &mut Lanes) {
         let (knot, into) = (step / KNOT_STEPS, step % KNOT_STEPS);
-        #[allow(clippy::cast_precision_loss, reason = "a few steps")]
-        let share = into as f32 / KNOT_STEPS as f32;
+        let share = into.to_f32() / KNOT_STEPS.to_f32();
         let other = (row + self.shift) % self.rows;
         blend(
             &self.speeds[row * self.knots + knot..],

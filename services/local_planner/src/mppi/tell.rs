@@ -4,6 +4,7 @@ use super::batch::{Batch, LANES, Lanes};
 use super::critics::cycle::Cycle;
 use super::critics::moving::struck;
 use crate::record::{DrawnRollout, Record};
+use zeronav_casts::Cast;
 use zeronav_msgs::rollouts::RolloutOutcome;
 
 /// Tells the record of a judged batch.
@@ -56,11 +57,6 @@ fn seen(batch: &Batch, struck: &Lanes, lane: usize, cost: f32) -> DrawnRollout {
 }
 
 /// The step that a sample was marked with, `end` when it was not.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a step's index; what is infinite becomes the largest number"
-)]
 fn first_step(mark: f32, end: usize) -> usize {
-    (mark as usize).min(end)
+    mark.to_usize().min(end)
 }

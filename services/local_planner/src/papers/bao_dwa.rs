@@ -7,6 +7,7 @@
 //! twists, as in the original method; as a positive constant it would change nothing.
 
 use super::options::{BaoDwaConfig, Normalise, Smooth};
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::command::RequestCause;
 use zeronav_msgs::description::Description;
@@ -184,15 +185,12 @@ pub fn decisive(samples: &[Sample], config: &BaoDwaConfig, scores: &mut Vec<f64>
 }
 
 /// Fills `values` with an evenly spread span, at most `step` apart, zero moved onto the nearest.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    clippy::cast_sign_loss,
-    reason = "at most 64 samples"
-)]
 pub fn sample(values: &mut Vec<f64>, span: Span, step: f64) {
-    let n = (((span.high - span.low) / step).ceil() as usize).clamp(1, SAMPLES_MAX - 1);
-    let at = |i: usize| span.low + (span.high - span.low) * (i as f64 / n as f64);
+    let n = ((span.high - span.low) / step)
+        .ceil()
+        .to_usize()
+        .clamp(1, SAMPLES_MAX - 1);
+    let at = |i: usize| span.low + (span.high - span.low) * (i.to_f64() / n.to_f64());
     values.clear();
     values.extend((0..=n).map(at));
     if span.low < 0.0

@@ -12,6 +12,7 @@ use crate::record::{DrawnRollout, Record};
 use crate::surroundings::LocalPose;
 use crate::turn;
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_motion::{Twist, stop_distance_m};
 use zeronav_msgs::Cell;
 use zeronav_msgs::command::Validity;
@@ -182,9 +183,8 @@ fn tell(
         steps: usize::from(steps),
     };
     let (sin, cos) = yaw_rad.sin_cos();
-    #[allow(clippy::cast_precision_loss, reason = "at most thirty")]
     record.offer(&seen, |step| {
-        let share = (step + 1) as f64 / f64::from(STEPS);
+        let share = (step + 1).to_f64() / f64::from(STEPS);
         let at = twist.arc(weights.horizon_s * share);
         (
             narrow(cos * at.x_m - sin * at.y_m),

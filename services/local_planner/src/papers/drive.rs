@@ -14,6 +14,7 @@ use crate::pilot::perception::Tracks;
 use crate::pilot::scene::{COMFORT_SHARE, Choose, ControlOutput, Scene};
 use crate::situation::Situation;
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_motion::Twist;
 use zeronav_msgs::command::{RequestCause, Validity};
 use zeronav_msgs::pose::wrap_angle;
@@ -130,14 +131,9 @@ impl Ground for Obstacles<'_> {
 
 /// Looked at every half cell: a shorter cut through a blocked cell's corner is within what its
 /// inflation was rounded up by.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "half cells along a piece of a path"
-)]
 fn is_free_on(map: &MapView<'_>, from: Point2<f64>, to: Point2<f64>) -> bool {
     let steps = (2.0 * (to - from).norm() / map.geometry.resolution_m).ceil();
-    (0..=steps as u32).all(|i| {
+    (0..=steps.to_u32()).all(|i| {
         let at = from + (to - from) * (f64::from(i) / steps.max(1.0));
         let cell = map.geometry.cell_at(at).and_then(|cell| map.get(cell));
         !cell.is_some_and(MapCell::blocks_centre)

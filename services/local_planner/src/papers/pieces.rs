@@ -1,6 +1,7 @@
 //! The obstacles that a scan shows, as the potential fields count them: one for each convex piece.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 
 /// Between neighbouring hits of two obstacles. [m]
 const GAP_M: f64 = 0.3;
@@ -94,12 +95,11 @@ pub(super) fn nearest(piece: &[Point2<f64>]) -> Point2<f64> {
 }
 
 /// The middle of a piece's hits. [m]
-#[allow(clippy::cast_precision_loss, reason = "hits of one scan")]
 pub(super) fn middle(piece: &[Point2<f64>]) -> Point2<f64> {
     let sum = piece
         .iter()
         .fold(Vector2::zeros(), |sum, hit| sum + hit.coords);
-    Point2::from(sum / piece.len().max(1) as f64)
+    Point2::from(sum / piece.len().max(1).to_f64())
 }
 
 #[cfg(test)]

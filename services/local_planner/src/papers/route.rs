@@ -2,6 +2,7 @@
 
 use crate::progress::{PathTracker, Place};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::path::Waypoint;
 
 use super::law::LawInput;
@@ -36,11 +37,6 @@ pub struct Nodes {
 
 impl Nodes {
     /// Takes the nodes of the path of `input` when it is another one; `cell` is the side of a cell. [m]
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "cells of a path between two corners"
-    )]
     pub fn take(&mut self, input: &LawInput<'_>, cell: f64) {
         if self.geometry == input.geometry {
             return;
@@ -51,7 +47,7 @@ impl Nodes {
         for pair in input.path.windows(2) {
             let from = Point2::new(pair[0].x_m, pair[0].y_m);
             let along = Point2::new(pair[1].x_m, pair[1].y_m) - from;
-            let n = (along.amax() / cell).round().clamp(1.0, 1.0e4) as u32;
+            let n = (along.amax() / cell).round().clamp(1.0, 1.0e4).to_u32();
             for i in 1..=n {
                 let share = f64::from(i) / f64::from(n);
                 let place = arc + share * along.norm();

@@ -2,15 +2,11 @@
 //! and the same answers twice.
 
 #![allow(clippy::print_stdout, reason = "seeds and results of a failed run")]
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a number of periods"
-)]
 
 use crate::support::{Block, Loop, Robot, block, disc, jackal, path};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use zeronav_casts::Cast;
 use zeronav_local_planner::dwa;
 use zeronav_local_planner::dwa::options::DwaConfig;
 use zeronav_motion::Twist;
@@ -122,7 +118,7 @@ fn free_paths_are_driven_to_their_ends_by_the_rules() {
             .sum();
         // Half the speed, and ten seconds for turns on the spot.
         let limit_s = length_m / (0.5 * fastest_mps) + 10.0;
-        let periods = (limit_s / crate::support::PERIOD_S) as usize;
+        let periods = (limit_s / crate::support::PERIOD_S).to_usize();
         let arrived = check_laws(&mut run, periods);
         println!(
             "{length_m:.1} m in {:.1} s, nearest {:.3}",

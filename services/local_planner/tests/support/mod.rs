@@ -1,17 +1,13 @@
 //! Closed loops: a robot that obeys within its accelerations, a lidar, and what they went through.
 
 #![allow(dead_code, reason = "every test file uses its part of this one")]
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "yaw on the wire is f32, and outlines have a few hundred points"
-)]
 
 pub(crate) mod cart;
 pub(crate) mod whole;
 mod world;
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_local_planner::pilot::Pilot;
 use zeronav_local_planner::situation::{Decision, Future, Situation};
 use zeronav_motion::{Twist, reachable, stop_distance_m};
@@ -91,7 +87,7 @@ impl Robot {
         (0..n)
             .flat_map(|i| {
                 let (a, b) = (at(i), at(i + 1));
-                let steps = ((b - a).norm() / 0.005).ceil() as u32;
+                let steps = ((b - a).norm() / 0.005).ceil().to_u32();
                 (0..steps).map(move |k| a + (b - a) * (f64::from(k) / f64::from(steps)))
             })
             .collect()
@@ -110,7 +106,7 @@ pub(crate) fn path(corners: &[(f64, f64)]) -> Vec<Waypoint> {
         .collect();
     for i in 1..waypoints.len() {
         let (a, b) = (waypoints[i - 1], waypoints[i]);
-        waypoints[i - 1].yaw_rad = (b.y_m - a.y_m).atan2(b.x_m - a.x_m) as f32;
+        waypoints[i - 1].yaw_rad = (b.y_m - a.y_m).atan2(b.x_m - a.x_m).to_f32();
     }
     waypoints
 }

@@ -1,12 +1,7 @@
 //! A small exact world: boxes, and the map made from them.
 
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "metres to cells and millimetres of worlds of a few metres"
-)]
-
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_msgs::map::{COST_INSCRIBED, COST_LETHAL};
 use zeronav_msgs::{Cell, GridGeometry, MapCell, MapView};
 
@@ -72,8 +67,8 @@ impl Map {
             origin_x_m: 0.0,
             origin_y_m: 0.0,
             resolution_m,
-            width: (width_m / resolution_m).round() as u32,
-            height: (height_m / resolution_m).round() as u32,
+            width: (width_m / resolution_m).round().to_u32(),
+            height: (height_m / resolution_m).round().to_u32(),
         };
         let (width, height) = geometry.size();
         let all = (0..height).flat_map(|y| (0..width).map(move |x| Cell::new(x, y)));
@@ -118,7 +113,7 @@ impl Map {
                         _ => 0,
                     },
                     flags: 0,
-                    clearance_mm: (clearance_m * 1000.0).floor() as u16,
+                    clearance_mm: (clearance_m * 1000.0).floor().to_u16(),
                 }
             })
             .collect();

@@ -4,6 +4,7 @@ use super::Mapper;
 use crate::config::MappingConfig;
 use crate::rows_around::cell_at;
 use crate::scan_match::Surfaces;
+use zeronav_casts::Cast;
 use zeronav_msgs::{Cell, GridGeometry, MapView};
 
 impl Mapper {
@@ -46,8 +47,7 @@ impl Mapper {
         if !same || !is_whole(x) || !is_whole(y) || map.cells.len() != other.len() {
             return None;
         }
-        #[allow(clippy::cast_possible_truncation, reason = "its range was checked")]
-        let shift = Cell::new(x.round() as i32, y.round() as i32);
+        let shift = Cell::new(x.round().to_i32(), y.round().to_i32());
         let mut belief = self.belief.moved(other, shift);
         belief.learn(map.cells);
         Some(Self::around(

@@ -8,6 +8,7 @@ use crate::near_points::is_linked;
 use crate::pose_error::swing;
 use crate::slip::{Ends, apart};
 use nalgebra::{Matrix3, Point2, Vector3};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 
 /// By how much a few points may contradict odometry, squared, in standard deviations, and share of them by which
@@ -68,8 +69,7 @@ impl ScanOdometry {
         }
         // As much as all that are laid tell.
         let sigma_m = SIGMA_M.max(self.key.noise_m());
-        #[allow(clippy::cast_precision_loss, reason = "a scan's points")]
-        let worth = POINT_WORTH / (sigma_m * sigma_m) * (POINTS_MAX as f64 / sums.all);
+        let worth = POINT_WORTH / (sigma_m * sigma_m) * (POINTS_MAX.to_f64() / sums.all);
         let prior = (drift + Matrix3::from_diagonal(&Vector3::repeat(1.0e-8))).try_inverse()?;
         let off = (prior + sums.normal * worth).try_inverse()? * sums.right * worth;
         let agrees =
@@ -121,8 +121,7 @@ impl ScanOdometry {
             return 0.0;
         }
         let every = ends.at.len().div_ceil(POINTS_MAX).max(1);
-        #[allow(clippy::cast_precision_loss, reason = "a scan's points")]
-        let mut left = ends.at.len().div_ceil(every) as f64;
+        let mut left = ends.at.len().div_ceil(every).to_f64();
         ends.along(&mut self.ends, step, motion);
         let at = self.key_from_base.then(motion);
         let (sin, cos) = at.yaw_rad.sin_cos();

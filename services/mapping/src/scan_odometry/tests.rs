@@ -1,4 +1,5 @@
 use super::*;
+use zeronav_casts::Cast;
 
 /// Ends of the beams, in `base`, in a hall of 6 m x 4 m with a pillar, seen from a pose.
 fn hall(from: &Pose) -> Vec<Point2<f64>> {
@@ -134,9 +135,8 @@ fn beams_put_together_by_wheels_that_slip_are_put_together_anew() {
     let mut scans = ScanOdometry::default();
     let seen = hall(&truth);
     scans.begin(&odometry, &seen);
-    #[allow(clippy::cast_precision_loss, reason = "a few hundred")]
     let ago: Vec<f64> = (0..seen.len())
-        .map(|n| 1.0 - n as f64 / seen.len() as f64)
+        .map(|n| 1.0 - n.to_f64() / seen.len().to_f64())
         .collect();
     let mut judged = truth;
     for _ in 0..10 {

@@ -2,6 +2,7 @@
 
 use crate::support::{Rng, Room, config, description};
 use proptest::prelude::*;
+use zeronav_casts::Cast;
 use zeronav_mapping::{Mapper, MappingConfig, TileIndex, all_tiles};
 use zeronav_msgs::Cell;
 use zeronav_msgs::map::{
@@ -9,11 +10,6 @@ use zeronav_msgs::map::{
 };
 
 /// Every cell of the map, computed plainly from the flags of all cells.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "costs lie between 0 and 252"
-)]
 fn check_against_brute_force(mapper: &Mapper) {
     let config = MappingConfig::default();
     let geometry = mapper.geometry();
@@ -44,7 +40,7 @@ fn check_against_brute_force(mapper: &Mapper) {
         } else if unknown {
             COST_UNKNOWN
         } else if clearance_m <= config.inflation_radius_m + 1e-9 {
-            (252.0 * (-4.0 * spare_m).exp()) as u8
+            (252.0 * (-4.0 * spare_m).exp()).to_u8()
         } else {
             0
         };

@@ -2,6 +2,7 @@
 
 use crate::support::{Rng, Room, description, observed};
 use core::f64::consts::PI;
+use zeronav_casts::Cast;
 use zeronav_mapping::localisation::StartPose;
 use zeronav_mapping::{Mapping, MappingConfig, Sought};
 use zeronav_msgs::Pose;
@@ -60,8 +61,7 @@ impl Robot {
         self.n_scans += 1;
         let (scan, mut ranges) = self.room.scan(&self.truth);
         for range_m in &mut ranges {
-            #[allow(clippy::cast_possible_truncation, reason = "a range")]
-            let noisy = (f64::from(*range_m) + 0.01 * self.rng.normal()) as f32;
+            let noisy = (f64::from(*range_m) + 0.01 * self.rng.normal()).to_f32();
             let is_lost = self.rng.below(100) == 0;
             *range_m = if is_lost { f32::INFINITY } else { noisy };
         }

@@ -2,6 +2,7 @@
 //! may happen.
 
 use crate::support::{Rng, Room, config, description};
+use zeronav_casts::Cast;
 use zeronav_mapping::{Integrated, Mapper, MappingConfig, MappingError};
 use zeronav_msgs::map::{
     COST_INSCRIBED, COST_LETHAL, COST_UNKNOWN, FLAG_SENSED, FLAG_STATIC, FLAG_UNKNOWN,
@@ -325,10 +326,9 @@ fn noise_does_not_flicker() {
     );
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
 fn noise(ranges: &mut [f32], rng: &mut Rng, sigma_m: f64) {
     for range_m in ranges.iter_mut().filter(|range_m| range_m.is_finite()) {
-        *range_m += (rng.normal() * sigma_m) as f32;
+        *range_m += (rng.normal() * sigma_m).to_f32();
     }
 }
 

@@ -7,6 +7,7 @@ mod tracking_score;
 use crate::support::{Rng, Room, config, description};
 use nalgebra::{Point2, Vector2};
 use tracking_score::TrackingScore;
+use zeronav_casts::Cast;
 use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::map::FLAG_SENSED;
 use zeronav_msgs::obstacles::Obstacle;
@@ -71,7 +72,6 @@ impl Scene {
         }
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
     fn scan(&mut self, from: &Pose) -> (Scan, Vec<f32>) {
         let (scan, mut ranges) = self.room.scan(from);
         self.beams_on = vec![0; self.discs.len()];
@@ -84,7 +84,7 @@ impl Scene {
                 let along = to.dot(&direction);
                 let inside = disc.radius_m.powi(2) - (to.norm_squared() - along * along);
                 if along > 0.0 && inside > 0.0 {
-                    let hit = (along - inside.sqrt()) as f32;
+                    let hit = (along - inside.sqrt()).to_f32();
                     if hit < *range_m {
                         *range_m = hit;
                         on = Some(d);
@@ -95,7 +95,7 @@ impl Scene {
                 self.beams_on[d] += 1;
             }
             if range_m.is_finite() {
-                *range_m += (self.rng.normal() * self.sigma_m) as f32;
+                *range_m += (self.rng.normal() * self.sigma_m).to_f32();
             }
         }
         (scan, ranges)
@@ -145,8 +145,7 @@ fn point(room: &Room, x: f64, y: f64) -> Point2<f64> {
 
 /// A robot that drives a circle in the middle of the room.
 fn circling(room: &Room, n: u64) -> Pose {
-    #[allow(clippy::cast_precision_loss, reason = "a few thousand scans")]
-    let angle = 0.05 * n as f64;
+    let angle = 0.05 * n.to_f64();
     let (w, h) = (
         f64::from(room.geometry.width),
         f64::from(room.geometry.height),

@@ -5,6 +5,7 @@ use crate::support::{Rng, description};
 use nalgebra::Vector2;
 use parry2d::math::Vec2;
 use parry2d::query::Ray;
+use zeronav_casts::Cast;
 use zeronav_mapping::localiser::CorrectionMode;
 use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::Pose;
@@ -55,16 +56,11 @@ fn warehouse() -> World {
 }
 
 /// What the lidar sees from a pose; infinite where nothing returns.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_precision_loss,
-    reason = "a simulation"
-)]
 pub(crate) fn look(lidar: &Lidar, world: &World, from: &Pose, rng: &mut Rng) -> (Scan, Vec<f32>) {
     let scan = Scan {
         n_beams: lidar.n_beams,
         angle_min_rad: -std::f32::consts::PI,
-        angle_increment_rad: std::f32::consts::TAU / lidar.n_beams as f32,
+        angle_increment_rad: std::f32::consts::TAU / lidar.n_beams.to_f32(),
         range_m_min: 0.1,
         range_m_max: lidar.range_m_max,
         ..Scan::default()
@@ -91,7 +87,7 @@ pub(crate) fn look(lidar: &Lidar, world: &World, from: &Pose, rng: &mut Rng) -> 
         .map(|beam| {
             let range_m = range_m(beam);
             let sigma_m = lidar.sigma_m.hypot(lidar.sigma_ratio * range_m);
-            (range_m + sigma_m * rng.normal()) as f32
+            (range_m + sigma_m * rng.normal()).to_f32()
         })
         .collect();
     (scan, ranges)

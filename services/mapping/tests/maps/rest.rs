@@ -2,6 +2,7 @@
 //! and again when it goes on; and one who passes behind a wall.
 
 use nalgebra::{Point2, Vector2};
+use zeronav_casts::Cast;
 use zeronav_mapping::beams::{Beams, Sweep};
 use zeronav_mapping::tracker::{ScanView, Tracker, TrackingConfig};
 use zeronav_msgs::Pose;
@@ -51,7 +52,6 @@ impl Scene {
         }
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "ranges are f32")]
     fn look(&mut self) {
         let scan = Scan {
             n_beams: u32::from(BEAMS),
@@ -67,12 +67,12 @@ impl Scene {
                 let wall_m = WALL_Y_M / sin;
                 let on_wall = |(from, to): (f64, f64)| (from..=to).contains(&(wall_m * cos));
                 if sin > 0.0 && self.wall.is_some_and(on_wall) {
-                    return wall_m as f32;
+                    return wall_m.to_f32();
                 }
                 let along = self.at.coords.dot(&Vector2::new(cos, sin));
                 let squared = RADIUS_M.powi(2) - (self.at.coords.norm_squared() - along * along);
                 if along > 0.0 && squared > 0.0 {
-                    (along - squared.sqrt() + 0.01 * self.rng.normal()) as f32
+                    (along - squared.sqrt() + 0.01 * self.rng.normal()).to_f32()
                 } else {
                     f32::INFINITY
                 }

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "every test and bench uses its own part")]
 
+use zeronav_casts::Cast;
 use zeronav_mapping::{Mapping, MappingConfig, Observation};
 use zeronav_msgs::description::Description;
 use zeronav_msgs::scan::Scan;
@@ -83,16 +84,11 @@ impl Room {
     }
 
     /// A turn of the lidar.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_precision_loss,
-        reason = "a simulation"
-    )]
     pub(crate) fn scan(&self, map_from_laser: &Pose) -> (Scan, Vec<f32>) {
         let scan = Scan {
             n_beams: self.n_beams,
             angle_min_rad: -std::f32::consts::PI,
-            angle_increment_rad: std::f32::consts::TAU / self.n_beams as f32,
+            angle_increment_rad: std::f32::consts::TAU / self.n_beams.to_f32(),
             range_m_min: 0.1,
             range_m_max: self.range_m_max,
             ..Scan::default()
@@ -104,7 +100,6 @@ impl Room {
     }
 
     /// Distance to the first solid cell, border by border.
-    #[allow(clippy::cast_possible_truncation, reason = "a simulation")]
     pub(crate) fn range_m(&self, from: &Pose, angle_rad: f64) -> f32 {
         let g = &self.geometry;
         let (dy, dx) = angle_rad.sin_cos();
@@ -117,9 +112,9 @@ impl Room {
         let mut t = 0.0;
         while t * g.resolution_m <= f64::from(self.range_m_max) {
             let (x, y) = at(t + 1.0e-7);
-            let cell = Cell::new(x.floor() as i32, y.floor() as i32);
+            let cell = Cell::new(x.floor().to_i32(), y.floor().to_i32());
             if g.index_of(cell).is_some_and(|index| self.solid[index]) {
-                return (t * g.resolution_m) as f32;
+                return (t * g.resolution_m).to_f32();
             }
             let to_border = |at: f64, direction: f64| {
                 if direction > 0.0 {

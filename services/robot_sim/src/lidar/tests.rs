@@ -2,6 +2,7 @@ use super::*;
 use core::f64::consts::{FRAC_PI_2, PI};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64Mcg;
+use zeronav_casts::Cast;
 use zeronav_msgs::GridGeometry;
 use zeronav_world::{Occupancy, Shape, ShapeSpec, StaticMap};
 
@@ -257,12 +258,7 @@ fn swept_by_hand(
         .map(|beam| {
             let later = f64::from(spec.n_beams) - 1.0 - f64::from(u32::try_from(beam).unwrap());
             let age_s = later * f64::from(header.time_increment_s);
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a fraction of a second"
-            )]
-            let age_ns = (age_s * 1.0e9).round() as u64;
+            let age_ns = (age_s * 1.0e9).round().to_u64();
             let laser = at(age_ns).then(&Pose::new(spec.pose[0], spec.pose[1], spec.pose[2]));
             let (sin, cos) = (laser.yaw_rad + header.angle_of(beam)).sin_cos();
             forms_at(age_ns)
@@ -288,7 +284,6 @@ fn discs_and_boxes(within: &mut impl FnMut(f64) -> f64) -> Vec<Convex> {
 }
 
 #[test]
-#[allow(clippy::cast_precision_loss, reason = "ages are fractions of a second")]
 fn a_turning_lidar_sees_every_beam_from_where_it_was_then() {
     let seed = 21;
     eprintln!("seed {seed}");
@@ -307,7 +302,7 @@ fn a_turning_lidar_sees_every_beam_from_where_it_was_then() {
         // The last cases turn faster than the mirror, against it and with it.
         let w_radps = within(if case < 100 { 4.0 } else { 90.0 });
         let at = |age_ns: u64| {
-            let t_s = 0.1 - age_ns as f64 * 1.0e-9;
+            let t_s = 0.1 - age_ns.to_f64() * 1.0e-9;
             let yaw_rad = wrap_angle(start.yaw_rad + w_radps * t_s);
             let (x, y) = (start.x_m + v_mps * t_s, start.y_m - 0.5 * v_mps * t_s);
             Pose::new(x, y, yaw_rad)
@@ -315,7 +310,7 @@ fn a_turning_lidar_sees_every_beam_from_where_it_was_then() {
         let still = discs_and_boxes(&mut within);
         let (from, velocity) = ([within(4.0), within(4.0)], [within(5.0), within(5.0)]);
         let walker = |age_ns: u64| {
-            let t_s = 0.1 - age_ns as f64 * 1.0e-9;
+            let t_s = 0.1 - age_ns.to_f64() * 1.0e-9;
             // There during the second half only.
             (t_s > 0.05).then(|| {
                 disc(
@@ -336,7 +331,7 @@ fn a_turning_lidar_sees_every_beam_from_where_it_was_then() {
         for form in &still {
             exposure.add_shape(form, None);
         }
-        let middle_s = 0.1 - middle_ns as f64 * 1.0e-9;
+        let middle_s = 0.1 - middle_ns.to_f64() * 1.0e-9;
         let middle = disc(
             from[0] + velocity[0] * middle_s,
             from[1] + velocity[1] * middle_s,

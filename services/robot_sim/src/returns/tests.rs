@@ -1,4 +1,5 @@
 use super::*;
+use zeronav_casts::Cast;
 
 const SEED: u64 = 5;
 
@@ -19,18 +20,16 @@ fn many(spec: &LidarSpec, n_scans: u64, wall_m: f64) -> Vec<Return> {
         .collect()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "some thousand")]
 fn share(found: &[Return], which: impl Fn(&Return) -> bool) -> f64 {
-    found.iter().filter(|found| which(found)).count() as f64 / found.len() as f64
+    found.iter().filter(|found| which(found)).count().to_f64() / found.len().to_f64()
 }
 
-#[allow(clippy::cast_precision_loss, reason = "some thousand")]
 fn deviation(found: &[Return], true_m: f64) -> f64 {
     let squares: f64 = found
         .iter()
         .map(|found| (found.range_m - true_m).powi(2))
         .sum();
-    (squares / found.len() as f64).sqrt()
+    (squares / found.len().to_f64()).sqrt()
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::config::Distro;
 use ros2_client::Message;
 use serde::{Deserialize, Serialize};
+use zeronav_casts::Cast;
 use zeronav_msgs::time::{nanoseconds, seconds};
 use zeronav_ros_messages::messages::{Header, PoseStamped, Time};
 use zeronav_ros_messages::view::time;
@@ -247,13 +248,12 @@ pub(super) fn feedback(
     progress: &Progress,
 ) -> FeedbackMessage {
     let duration = |s: f64| time(nanoseconds(s.max(0.0)));
-    #[allow(clippy::cast_possible_truncation, reason = "ROS has it so")]
     let navigated = Navigated {
         current_pose: progress.pose.clone(),
         navigation_time: duration(progress.elapsed_s),
         estimated_time_remaining: duration(progress.remaining_s.unwrap_or(seconds(0))),
         number_of_recoveries: i16::try_from(progress.recoveries).unwrap_or(i16::MAX),
-        distance_remaining: progress.remaining_m as f32,
+        distance_remaining: progress.remaining_m.to_f32(),
     };
     let left = i16::try_from(progress.goals_left).unwrap_or(i16::MAX);
     let all = || statuses(poses, progress.goals_left, false, &End::default());

@@ -1,5 +1,7 @@
 //! What came on a topic while the doctor listened.
 
+use zeronav_casts::Cast;
+
 /// What came on a topic.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Heard {
@@ -44,25 +46,22 @@ impl Heard {
 
     /// Messages a second; `None` before the second one. [Hz]
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "seconds, and a count of them")]
     pub fn rate_hz(&self) -> Option<f64> {
-        let took_s = self.newest_ns.saturating_sub(self.first_ns) as f64 * 1.0e-9;
-        (self.n > 1 && took_s > 0.0).then(|| (self.n - 1) as f64 / took_s)
+        let took_s = self.newest_ns.saturating_sub(self.first_ns).to_f64() * 1.0e-9;
+        (self.n > 1 && took_s > 0.0).then(|| (self.n - 1).to_f64() / took_s)
     }
 
     /// Longest time without a message after the first one. [s]
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "seconds")]
     pub fn longest_s(&self) -> f64 {
-        self.longest_ns as f64 * 1.0e-9
+        self.longest_ns.to_f64() * 1.0e-9
     }
 
     /// Age at arrival, at least and at most, by this system's clock. [s]
     #[must_use]
-    #[allow(clippy::cast_precision_loss, reason = "seconds")]
     pub fn age_s(&self) -> Option<[f64; 2]> {
         self.age_ns
-            .map(|ages| ages.map(|age_ns| age_ns as f64 * 1.0e-9))
+            .map(|ages| ages.map(|age_ns| age_ns.to_f64() * 1.0e-9))
     }
 }
 

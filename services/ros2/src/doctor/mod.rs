@@ -20,6 +20,7 @@ use heard::Heard;
 use std::io::Write;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use zeronav_casts::Cast;
 use zeronav_msgs::pose::Pose;
 use zeronav_ros_messages::received::{stamp_ns, turn_ns};
 use zeronav_shell::clock::now_ns;
@@ -207,7 +208,6 @@ impl Listener {
         self.odometry.end(now_ns);
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "seconds")]
     fn facts(&self, config: &RosConfig) -> Facts {
         let stamps = self.inputs.stamps();
         let placed = self.frames.base_from(&config.base_frame, &self.scans.frame);
@@ -219,7 +219,7 @@ impl Listener {
             troubles: self.troubles.clone(),
             rejected: self.inputs.reasons().to_vec(),
             are_accepted: self.are_accepted == [true; 2],
-            clock_ahead_s: stamps.ahead_ns().map(|it| it as f64 * 1.0e-9),
+            clock_ahead_s: stamps.ahead_ns().map(|it| it.to_f64() * 1.0e-9),
             is_same_clock: stamps.is_same_clock(),
             ..Facts::default()
         }

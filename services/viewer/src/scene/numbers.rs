@@ -1,6 +1,7 @@
 //! Numbers as they are written.
 
 use serde::{Serialize, Serializer};
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 
 /// A number of a fixed number of decimals.
@@ -23,14 +24,10 @@ impl Rounded {
 
 impl Serialize for Rounded {
     /// Whole numbers without a point; 0 for what is not finite, which JSON does not have.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "whole numbers below 2^53 only"
-    )]
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let value = if self.0.is_finite() { self.0 } else { 0.0 };
         if value.fract() == 0.0 && value.abs() < 9.0e15 {
-            to.serialize_i64(value as i64)
+            to.serialize_i64(value.to_i64())
         } else {
             to.serialize_f64(value)
         }

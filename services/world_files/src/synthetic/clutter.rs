@@ -13,6 +13,7 @@ use super::{NoPassage, first_passable, millimetres};
 use crate::barn::{BarnWorld, GOAL, GOAL_TOLERANCE_M, START};
 use rand::RngExt as _;
 use rand_pcg::Pcg64Mcg;
+use zeronav_casts::Cast;
 use zeronav_world::{World, WorldSpec};
 
 /// Cells along a side of the field.
@@ -110,8 +111,8 @@ fn corridor(filled: &[bool]) -> BarnWorld {
             let is_wall = row == 0 || column == 0 || column == SIDE - 1;
             let in_field = row.checked_sub(ROWS[1]).map(|row| row * SIDE + column);
             if is_wall || in_field.is_some_and(|index| filled[index]) {
-                #[allow(clippy::cast_precision_loss, reason = "at most 64")]
-                let along = |n: usize, axis: usize| millimetres(FIRST_M[axis] + CELL_M * n as f64);
+                let along =
+                    |n: usize, axis: usize| millimetres(FIRST_M[axis] + CELL_M * n.to_f64());
                 cylinders.push([along(column, 0), along(row, 1), RADIUS_M]);
             }
         }

@@ -11,6 +11,7 @@ use crate::barn;
 use crate::pedestrians::Playback;
 use nalgebra::Point2;
 use rand::RngExt as _;
+use zeronav_casts::Cast;
 use zeronav_msgs::Pose;
 use zeronav_world::spec::{ObstacleSpec, ShapeSpec};
 use zeronav_world::track::Track;
@@ -151,14 +152,9 @@ pub fn draw(number: u32, seed: u64, robot: Robot) -> Result<Course, NoPassage> {
 
 fn stand(class: Class, number: u32, robot: Robot) -> Result<Course, NoPassage> {
     let [fill_ratio, smoothings] = class.by_level([[0.12, 3.0], [0.18, 3.0], [0.24, 2.0]]);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "2 or 3"
-    )]
     let rule = clutter::Rule {
         fill_ratio,
-        smoothings: smoothings as u32,
+        smoothings: smoothings.to_u32(),
     };
     let Clutter {
         world,

@@ -7,6 +7,7 @@
 use nalgebra::{Point2, Vector2};
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};
+use zeronav_casts::Cast;
 use zeronav_world::World;
 
 /// Side of a cell of the search among static obstacles. [m]
@@ -51,14 +52,9 @@ impl Grid {
         let geometry = world.geometry();
         let lower = Point2::new(geometry.origin_x_m, geometry.origin_y_m);
         let cells = |n: u32| (f64::from(n) * geometry.resolution_m / side_m).floor();
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a side of a world in cells, far below 2^32"
-        )]
         let (columns, rows) = (
-            cells(geometry.width) as usize,
-            cells(geometry.height) as usize,
+            cells(geometry.width).to_usize(),
+            cells(geometry.height).to_usize(),
         );
         let mut grid = Self {
             lower,
@@ -74,10 +70,9 @@ impl Grid {
         grid
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "far below 2^53 cells")]
     fn centre(&self, index: usize) -> Point2<f64> {
         let (x, y) = (index % self.columns, index / self.columns);
-        let along = |n: usize| (n as f64 + 0.5) * self.side_m;
+        let along = |n: usize| (n.to_f64() + 0.5) * self.side_m;
         self.lower + Vector2::new(along(x), along(y))
     }
 
@@ -182,12 +177,7 @@ pub fn crossing_s(
     discs_at: &dyn Fn(f64) -> Vec<Disc>,
 ) -> Option<f64> {
     let grid = Grid::new(world, robot, STEP_M);
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a time limit in steps"
-    )]
-    let n_steps = (limit_s / STEP_S).max(0.0) as u32;
+    let n_steps = (limit_s / STEP_S).max(0.0).to_u32();
     let moment = |step: u32| discs_at(f64::from(step) * STEP_S);
     let mut moments: VecDeque<Vec<Disc>> = (0..=TURN_STEPS).map(moment).collect();
     // A state is a cell and a heading; layer n holds those that are reached n steps from now.

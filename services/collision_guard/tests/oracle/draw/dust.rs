@@ -3,6 +3,7 @@
 use super::Draw;
 use crate::past::{Past, apart, placed};
 use crate::slow::Hit;
+use zeronav_casts::Cast;
 
 /// [m] Beams lie at most so far apart where a hit that the scans before deny is dust.
 const DUST_APART_M: f64 = 0.03;
@@ -15,12 +16,7 @@ impl Draw {
         let Some([last, earlier]) = self.past.first_chunk() else {
             return false;
         };
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a few beams"
-        )]
-        let side = ((0.005 / apart_m) as usize).clamp(1, 32);
+        let side = (0.005 / apart_m).to_usize().clamp(1, 32);
         if apart_m > DUST_APART_M
             || newest.beside(beam, side, apart_m) >= side
             || !self.went_on_behind(last, at)
@@ -81,9 +77,8 @@ impl Draw {
         at: Hit,
         same: impl Fn(Hit, Hit) -> bool,
     ) -> bool {
-        #[allow(clippy::cast_precision_loss, reason = "less than a second")]
         let [since_s, before_s] =
-            [run_ns - last.run_ns, last.run_ns - earlier.run_ns].map(|ns| ns as f64 / 1.0e9);
+            [run_ns - last.run_ns, last.run_ns - earlier.run_ns].map(|ns| ns.to_f64() / 1.0e9);
         let mut came_from = last.thin(&self.description);
         came_from.retain(|was| apart(*was, at) <= 2.0 * since_s + 0.03);
         let first = earlier.thin(&self.description);

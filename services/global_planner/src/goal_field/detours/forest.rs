@@ -4,6 +4,7 @@ use super::super::GoalField;
 use super::super::node::{NO_STEP, NO_WAY, Spot};
 use super::pages::Pages;
 use super::positions::{Interval, PositionSet};
+use zeronav_casts::Cast;
 
 /// In place of a position in the tree to the goal: no way from the cell is known.
 pub(super) const NEVER: u32 = u32::MAX;
@@ -59,7 +60,6 @@ impl Known {
     }
 
     #[inline]
-    #[allow(clippy::cast_possible_truncation, reason = "the highest eight bits")]
     fn unpacked(number: u32) -> Self {
         let step = |at: u32| Some(number >> at & 0xf).filter(|step| *step != NO_STEP);
         Self {
@@ -239,8 +239,7 @@ impl Forest {
             let last = self.totals.len().min(first + BLOCK);
             let mut at = first;
             while at < last {
-                #[allow(clippy::cast_possible_truncation, reason = "positions fit 32 bits")]
-                let position = at as u32;
+                let position = at.to_u32();
                 while forward.next_if(|cut| cut.1 <= position).is_some() {}
                 let until = match forward.peek() {
                     Some(cut) if cut.0 <= position => {

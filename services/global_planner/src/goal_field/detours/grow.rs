@@ -8,6 +8,7 @@ use super::forest::{Forest, Known, NEVER, NOWHERE, POSITIONS_MAX, Place};
 use crate::bucket_queue::BucketQueue;
 use crate::planner::{Control, PlanStats};
 use crate::search::Found;
+use zeronav_casts::Cast;
 
 /// Cells of a region, at most.
 const REGION_MAX: u64 = POSITIONS_MAX as u64;
@@ -199,10 +200,6 @@ impl Growth {
         }
     }
 
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "regions are small, a step is less than 16"
-    )]
     fn number(&mut self, field: &mut GoalField, at: usize) -> bool {
         let Some(spot) = self.lists.closed.get(at).copied() else {
             return false;
@@ -217,7 +214,7 @@ impl Growth {
         let generation = node.meta >> GENERATION_SHIFT;
         let so_far = node.so_far;
         let total = so_far.saturating_add(field.left.at(spot));
-        node.so_far = self.members.len() as u32;
+        node.so_far = self.members.len().to_u32();
         node.meta = node.meta & !STEP_MASK | NUMBERED << STEP_SHIFT;
         let parent = if step == NO_STEP {
             NOWHERE
@@ -247,13 +244,12 @@ impl Growth {
             goal_next: NEVER,
             waits_for: 0,
             step: step as u8,
-            step_to_goal: NO_STEP as u8,
+            step_to_goal: NO_STEP.to_u8(),
         });
         self.spots.push(spot);
         true
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "steps are less than 16")]
     fn link(&mut self, field: &GoalField, at: usize) -> bool {
         let Some(spot) = self.spots.get(at).copied() else {
             return false;
@@ -278,7 +274,7 @@ impl Growth {
                 && (node.meta & STEP_MASK) >> STEP_SHIFT == NUMBERED
             {
                 let member = &mut self.members[at];
-                (member.step_to_goal, member.goal_parent) = (step as u8, node.so_far);
+                (member.step_to_goal, member.goal_parent) = (step.to_u8(), node.so_far);
                 self.members[node.so_far as usize].waits_for += 1;
                 break;
             }
@@ -310,7 +306,6 @@ impl Growth {
         true
     }
 
-    #[allow(clippy::cast_possible_truncation, reason = "regions are small")]
     fn begin_other_tree(&mut self) {
         self.weighed.clear();
         let leaves = self.members.iter().zip(0_u32..);

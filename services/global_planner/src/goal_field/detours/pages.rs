@@ -1,6 +1,7 @@
 //! Numbers of a few cells of a large map.
 
 use super::super::node::Spot;
+use zeronav_casts::Cast;
 
 /// Side of a page, a square of cells: a way in any direction passes few of them.
 const SIDE: u32 = 8;
@@ -61,19 +62,15 @@ impl Pages {
     }
 
     #[inline]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "pages are fewer than spots"
-    )]
     pub(super) fn set(&mut self, spot: Spot, number: u32) {
         let (at, place) = self.place(spot);
         let Some(page) = self.directory.get_mut(at) else {
             return;
         };
         if *page == NONE {
-            *page = self.numbers.len() as u32;
+            *page = self.numbers.len().to_u32();
             self.numbers.push([NONE; PAGE]);
-            self.used.push(at as u32);
+            self.used.push(at.to_u32());
         }
         self.numbers[*page as usize][place] = number;
     }

@@ -7,6 +7,7 @@ use crate::papers::lwx_oa::{ChildCost, DeadEndPolicy};
 use crate::support::Map;
 use crate::{CornerRule, Fallback, PlanError, PlannerOptions};
 use core::f64::consts::SQRT_2;
+use zeronav_casts::Cast;
 use zeronav_msgs::{Cell, MapCell};
 
 const RULE: CornerRule = CornerRule::ForbidAny;
@@ -241,12 +242,7 @@ fn assert_curve_free(found: &Found, map: &Map, what: &str) {
     let blocked = |cell| map.view().get(cell).is_none_or(MapCell::blocks_centre);
     for ends in found.path.curve.windows(2) {
         let n = ((ends[1] - ends[0]).norm() / geometry.resolution_m * 100.0).ceil();
-        #[allow(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a few hundred"
-        )]
-        for i in 0..=n as u32 {
+        for i in 0..=n.to_u32() {
             let at = ends[0] + (ends[1] - ends[0]) * (f64::from(i) / n.max(1.0));
             let cell = geometry.cell_at(at).expect("on the map");
             assert!(!blocked(cell), "{what}: {cell:?}");

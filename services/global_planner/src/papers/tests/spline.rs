@@ -7,6 +7,7 @@ use crate::support::{Map, Rng};
 use crate::waypoints::waypoints_along;
 use crate::{CornerRule, PlannerOptions};
 use nalgebra::Point2;
+use zeronav_casts::Cast;
 use zeronav_msgs::map::COST_LETHAL;
 use zeronav_msgs::{Cell, Pose};
 
@@ -204,8 +205,7 @@ fn bao_spl_keeps_its_distance_on_1000_maps() {
 /// Distance to the nearest obstacle square, 1 when there is none near. [cells]
 fn clearance(map: &Map, point: &Point2<f64>) -> f64 {
     let mut nearest = 1.0_f64;
-    #[allow(clippy::cast_possible_truncation, reason = "points lie on the map")]
-    let (x, y) = (point.x.round() as i32, point.y.round() as i32);
+    let (x, y) = (point.x.round().to_i32(), point.y.round().to_i32());
     for cell in (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| Cell::new(x + dx, y + dy))) {
         if map
             .view()

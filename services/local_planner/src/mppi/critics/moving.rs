@@ -5,6 +5,7 @@ use super::cycle::Cycle;
 use crate::lanes::data::narrow;
 use crate::lanes::strike;
 use crate::mppi::batch::{Batch, LANES, Lanes};
+use zeronav_casts::Cast;
 
 /// [m] kept from predicted obstacles.
 const MARGIN_M: f32 = 0.15;
@@ -12,12 +13,11 @@ const MARGIN_M: f32 = 0.15;
 /// [m] by which an overlap with a predicted disc is left at least.
 const OVERLAP_M: f32 = 0.01;
 
-#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
 pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     if cycle.dynamic.now().is_empty() {
         return;
     }
-    let steps = batch.steps as f32;
+    let steps = batch.steps.to_f32();
     for (cost, struck) in costs.iter_mut().zip(&struck(cycle, batch)) {
         if struck.is_finite() {
             *cost += weight * (1.0 / 3.0 + 2.0 / 3.0 * (1.0 - struck / steps));
@@ -26,7 +26,6 @@ pub(super) fn score(cycle: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut L
 }
 
 /// First step that is looked at in which each sample touches a predicted obstacle; infinite for none.
-#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
 pub(crate) fn struck(cycle: &Cycle<'_>, batch: &Batch) -> Lanes {
     let robot_m = cycle.radius_m + MARGIN_M;
     let step_s = narrow(cycle.config.step_s);
@@ -34,7 +33,7 @@ pub(crate) fn struck(cycle: &Cycle<'_>, batch: &Batch) -> Lanes {
     let mut struck = [f32::INFINITY; LANES];
     for &step in &batch.looks {
         let discs = cycle.dynamic.at_step(step).iter().zip(cycle.dynamic.now());
-        let reach_m = fastest_mps * step_s * (step as f32 + 1.0);
+        let reach_m = fastest_mps * step_s * (step.to_f32() + 1.0);
         for (disc, now) in discs {
             // Who overlaps the grown disc already must be able to leave it.
             let overlap = robot_m + now[2] - now[0].hypot(now[1]);
@@ -51,7 +50,7 @@ pub(crate) fn struck(cycle: &Cycle<'_>, batch: &Batch) -> Lanes {
                     &batch.x[step],
                     &batch.y[step],
                     disc,
-                    step as f32,
+                    step.to_f32(),
                     &mut struck,
                 );
             }

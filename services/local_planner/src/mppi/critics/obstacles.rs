@@ -3,10 +3,10 @@
 
 use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
+use zeronav_casts::Cast;
 
-#[allow(clippy::cast_precision_loss, reason = "at most 64 steps")]
 pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
-    let steps = batch.steps as f32;
+    let steps = batch.steps.to_f32();
     for (cost, hit) in costs.iter_mut().zip(&batch.hit) {
         if hit.is_finite() {
             let early = 1.0 - hit / steps;

@@ -3,8 +3,8 @@
 use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
 use crate::rollout_scores::cost_beside;
+use zeronav_casts::Cast;
 
-#[allow(clippy::cast_precision_loss, reason = "a handful of stations")]
 pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     for (lane, cost) in costs.iter_mut().enumerate() {
         let free = batch.free[lane];
@@ -13,6 +13,6 @@ pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes
             .iter()
             .map(|station| cost_beside(station.beside[lane]))
             .sum();
-        *cost += weight * sum / free as f32;
+        *cost += weight * sum / free.to_f32();
     }
 }

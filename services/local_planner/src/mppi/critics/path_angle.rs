@@ -2,8 +2,8 @@
 
 use super::cycle::Cycle;
 use crate::mppi::batch::{Batch, Lanes};
+use zeronav_casts::Cast;
 
-#[allow(clippy::cast_precision_loss, reason = "a handful of stations")]
 pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes) {
     for (lane, cost) in costs.iter_mut().enumerate() {
         let free = batch.free[lane];
@@ -16,6 +16,6 @@ pub(super) fn score(_: &Cycle<'_>, batch: &Batch, weight: f32, costs: &mut Lanes
                 sum += 1.0 - (batch.cos[step][lane] * x + batch.sin[step][lane] * y);
             }
         }
-        *cost += weight * sum / free as f32;
+        *cost += weight * sum / free.to_f32();
     }
 }

@@ -1,6 +1,7 @@
 //! The potential field and the fit of LWX.
 
 use super::*;
+use zeronav_casts::Cast;
 
 #[test]
 fn lwx_apf_in_metres_goes_where_it_goes_in_cells() {
@@ -328,7 +329,7 @@ fn lwx_lsq_joins_the_parts_of_a_split_path_in_one_direction() {
         .windows(2)
         .flat_map(|pair| {
             let (from, to) = (at(pair[0].0, pair[0].1), at(pair[1].0, pair[1].1));
-            let n = ((to - from).norm() / 0.25).round() as u32;
+            let n = ((to - from).norm() / 0.25).round().to_u32();
             (0..n).map(move |i| from + (to - from) * (f64::from(i) / f64::from(n)))
         })
         .chain([at(0.0, 14.0)])

@@ -1,11 +1,6 @@
 //! The controllers of the papers: the acceptance tests of the paper notes, by key.
 
 #![allow(clippy::print_stdout, reason = "shares and seeds of a failed run")]
-#![allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a few thousand places on a segment"
-)]
 
 mod bao;
 mod ju;
@@ -17,6 +12,7 @@ use crate::support::{Loop, PERIOD_S, block, disc, path};
 use nalgebra::{Point2, Vector2};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
+use zeronav_casts::Cast;
 use zeronav_local_planner::LocalPlannerConfig;
 use zeronav_local_planner::papers::bao_dwa::{Sample, choose, decisive, is_admissible, window};
 use zeronav_local_planner::papers::fit::{FitError, fit, fit_literal, free_fit};
@@ -93,7 +89,7 @@ fn slope(potential: impl Fn(Point2<f64>) -> f64, x: Point2<f64>) -> Vector2<f64>
 fn depth(body: &Body, from: Point2<f64>, to: Point2<f64>) -> f64 {
     let way = to - from;
     let nearest = ((body.at - from).dot(&way) / way.norm_squared().max(1e-18)).clamp(0.0, 1.0);
-    let steps = (way.norm() / 0.0005).ceil().max(1.0) as u32;
+    let steps = (way.norm() / 0.0005).ceil().max(1.0).to_u32();
     (0..=steps)
         .map(|step| f64::from(step) / f64::from(steps))
         .chain([nearest])

@@ -1,6 +1,7 @@
 //! Delay, slip, odometry and noise.
 
 use super::*;
+use zeronav_casts::Cast;
 
 #[test]
 fn same_seed_same_bits_other_seed_other_noise() {
@@ -172,7 +173,6 @@ fn odometry_drifts_as_far_as_it_says() {
 }
 
 #[test]
-#[allow(clippy::cast_precision_loss, reason = "360 beams")]
 fn a_scan_of_a_turning_robot_is_distorted_and_says_so() {
     // A long wall, 2.9 m away.
     let mut config = config(vec![a_box([3.0, 0.0], [0.2, 30.0])], Vec::new());
@@ -187,7 +187,7 @@ fn a_scan_of_a_turning_robot_is_distorted_and_says_so() {
     assert!((f64::from(scan.time_increment_s) - 0.1 / 360.0).abs() < 1e-9);
     let end_rad = robot.odometry().pose.yaw_rad;
     for (beam, range) in ranges.iter().enumerate() {
-        let age_s = (359.0 - beam as f64) * 0.1 / 360.0;
+        let age_s = (359.0 - beam.to_f64()) * 0.1 / 360.0;
         let angle = end_rad - 3.0 * age_s + scan.angle_of(beam);
         let expected = if angle.cos() > 0.0 {
             2.9 / angle.cos()
