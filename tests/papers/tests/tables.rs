@@ -50,7 +50,7 @@ fn every_table_without_the_stack_is_complete_on_twenty_maps() {
             .iter()
             .any(|known| known.number == table && known.is_driven)
     };
-    for claim in claims().filter(|claim| !driven(claim.headline.table)) {
+    for claim in claims().filter(|claim| !driven(&claim.headline.table)) {
         let row = headline(claim, &rows);
         assert!(
             row.is_some_and(|row| row.n > 0),
@@ -85,7 +85,7 @@ fn every_table_without_the_stack_is_complete_on_twenty_maps() {
     }
     for claim in claims() {
         assert!(
-            text.contains(claim.why),
+            text.contains(&claim.why),
             "{} {} is not told",
             claim.paper,
             claim.id

@@ -18,6 +18,9 @@ pub use lwx_fusion::plan as fusion_plan;
 
 use crate::table::{Context, Outcome, TableError};
 
+/// Measures a table.
+type Run = fn(&mut Context) -> Result<Outcome, TableError>;
+
 /// A table that can be measured.
 #[derive(Debug, Clone, Copy)]
 pub struct Table {
@@ -30,156 +33,105 @@ pub struct Table {
     /// True when the real stack drives it.
     pub is_driven: bool,
     /// Measures it.
-    pub run: fn(&mut Context) -> Result<Outcome, TableError>,
+    pub run: Run,
+}
+
+/// A table of planners on maps.
+const fn planned(
+    paper: &'static str,
+    number: &'static str,
+    title: &'static str,
+    run: Run,
+) -> Table {
+    Table {
+        paper,
+        number,
+        title,
+        is_driven: false,
+        run,
+    }
+}
+
+/// A table of drives of the real stack.
+const fn driven(paper: &'static str, number: &'static str, title: &'static str, run: Run) -> Table {
+    Table {
+        is_driven: true,
+        ..planned(paper, number, title, run)
+    }
 }
 
 /// Every table.
 pub const TABLES: &[Table] = &[
-    Table {
-        paper: "BAO",
-        number: "1",
-        title: "30 x 20 cells, 15.8 % obstacles",
-        is_driven: false,
-        run: |context| bao::run(context, 0),
-    },
-    Table {
-        paper: "BAO",
-        number: "2",
-        title: "50 x 40 cells, 14.1 % obstacles",
-        is_driven: false,
-        run: |context| bao::run(context, 1),
-    },
-    Table {
-        paper: "BAO",
-        number: "3",
-        title: "50 x 40 cells, 38.9 % obstacles",
-        is_driven: false,
-        run: |context| bao::run(context, 2),
-    },
-    Table {
-        paper: "BAO",
-        number: "4",
-        title: "100 x 100 cells, 30 % obstacles",
-        is_driven: false,
-        run: |context| bao::run(context, 3),
-    },
-    Table {
-        paper: "TN",
-        number: "1",
-        title: "the hybrid against A*, 20 x 20 cells",
-        is_driven: false,
-        run: tn::run,
-    },
-    Table {
-        paper: "TN",
-        number: "3",
-        title: "the robot's corridor, simulated on the grid",
-        is_driven: false,
-        run: tn_robot::run,
-    },
-    Table {
-        paper: "ZM",
-        number: "1",
-        title: "weighted searches against A*, 20 x 20 cells",
-        is_driven: false,
-        run: zm::run,
-    },
-    Table {
-        paper: "LWX",
-        number: "1",
-        title: "the greedy search against A*, 20 x 20 cells",
-        is_driven: false,
-        run: |context| lwx::run(context, 0),
-    },
-    Table {
-        paper: "LWX",
-        number: "2",
-        title: "the same, another map",
-        is_driven: false,
-        run: |context| lwx::run(context, 1),
-    },
-    Table {
-        paper: "LWX",
-        number: "3",
-        title: "the same, 40 x 40 cells",
-        is_driven: false,
-        run: |context| lwx::run(context, 2),
-    },
-    Table {
-        paper: "LWX",
-        number: "4",
-        title: "the greedy search against the bidirectional one",
-        is_driven: false,
-        run: |context| lwx::run(context, 3),
-    },
-    Table {
-        paper: "JU",
-        number: "1",
-        title: "lengths of potential-field paths, 15 x 15 cells",
-        is_driven: false,
-        run: ju::lengths,
-    },
-    Table {
-        paper: "JU",
-        number: "2",
-        title: "their times",
-        is_driven: false,
-        run: ju::times,
-    },
-    Table {
-        paper: "LWX",
-        number: "5",
-        title: "the fusion against the ant colony",
-        is_driven: false,
-        run: |context| lwx_fusion::run(context, "5"),
-    },
-    Table {
-        paper: "LWX",
-        number: "6",
-        title: "the fusion against the random tree",
-        is_driven: false,
-        run: |context| lwx_fusion::run(context, "6"),
-    },
-    Table {
-        paper: "LWX",
-        number: "fig16",
-        title: "steps per interim goal",
-        is_driven: false,
-        run: lwx_iter::run,
-    },
-    Table {
-        paper: "ZM",
-        number: "2",
-        title: "an obstacle appears at (12, 7)",
-        is_driven: true,
-        run: |context| zm_dyn::run(context, "2"),
-    },
-    Table {
-        paper: "ZM",
-        number: "3",
-        title: "an obstacle appears at (5, 5)",
-        is_driven: true,
-        run: |context| zm_dyn::run(context, "3"),
-    },
-    Table {
-        paper: "JU",
-        number: "dyn",
-        title: "three discs cross the map",
-        is_driven: true,
-        run: ju_dyn::run,
-    },
-    Table {
-        paper: "LWX",
-        number: "dyn",
-        title: "twenty discs that appear or move",
-        is_driven: true,
-        run: lwx_dyn::run,
-    },
-    Table {
-        paper: "BAO",
-        number: "dyn",
-        title: "discs on the path and across it",
-        is_driven: true,
-        run: bao_dyn::run,
-    },
+    planned("BAO", "1", "30 x 20 cells, 15.8 % obstacles", |it| {
+        bao::run(it, 0)
+    }),
+    planned("BAO", "2", "50 x 40 cells, 14.1 % obstacles", |it| {
+        bao::run(it, 1)
+    }),
+    planned("BAO", "3", "50 x 40 cells, 38.9 % obstacles", |it| {
+        bao::run(it, 2)
+    }),
+    planned("BAO", "4", "100 x 100 cells, 30 % obstacles", |it| {
+        bao::run(it, 3)
+    }),
+    planned("TN", "1", "the hybrid against A*, 20 x 20 cells", tn::run),
+    planned(
+        "TN",
+        "3",
+        "the robot's corridor, simulated on the grid",
+        tn_robot::run,
+    ),
+    planned(
+        "ZM",
+        "1",
+        "weighted searches against A*, 20 x 20 cells",
+        zm::run,
+    ),
+    planned(
+        "LWX",
+        "1",
+        "the greedy search against A*, 20 x 20 cells",
+        |it| lwx::run(it, 0),
+    ),
+    planned("LWX", "2", "the same, another map", |it| lwx::run(it, 1)),
+    planned("LWX", "3", "the same, 40 x 40 cells", |it| lwx::run(it, 2)),
+    planned(
+        "LWX",
+        "4",
+        "the greedy search against the bidirectional one",
+        |it| lwx::run(it, 3),
+    ),
+    planned(
+        "JU",
+        "1",
+        "lengths of potential-field paths, 15 x 15 cells",
+        ju::lengths,
+    ),
+    planned("JU", "2", "their times", ju::times),
+    planned("LWX", "5", "the fusion against the ant colony", |it| {
+        lwx_fusion::run(it, "5")
+    }),
+    planned("LWX", "6", "the fusion against the random tree", |it| {
+        lwx_fusion::run(it, "6")
+    }),
+    planned("LWX", "fig16", "steps per interim goal", lwx_iter::run),
+    driven("ZM", "2", "an obstacle appears at (12, 7)", |it| {
+        zm_dyn::run(it, "2")
+    }),
+    driven("ZM", "3", "an obstacle appears at (5, 5)", |it| {
+        zm_dyn::run(it, "3")
+    }),
+    driven("JU", "dyn", "three discs cross the map", ju_dyn::run),
+    driven(
+        "LWX",
+        "dyn",
+        "twenty discs that appear or move",
+        lwx_dyn::run,
+    ),
+    driven(
+        "BAO",
+        "dyn",
+        "discs on the path and across it",
+        bao_dyn::run,
+    ),
 ];
