@@ -21,8 +21,8 @@ pub(crate) const EXAMPLES: [&str; 3] = [
     "requests_nan",
 ];
 
-/// Folder of the binaries of this very build and of the example services, built once per test
-/// program.
+/// Folder of the binaries of this very build, of the example services and of those that misbehave
+/// under each of their names, built once per test program.
 ///
 /// # Panics
 /// When they do not build.
@@ -52,6 +52,12 @@ pub fn binaries() -> &'static Path {
             .status()
             .expect("cargo runs");
         assert!(status.success(), "the binaries do not build");
+        let mut links = Command::new(folder.join("misbehaving"));
+        let links = links.arg(&folder).status().expect("it starts");
+        assert!(
+            links.success(),
+            "the names of those that misbehave are missing"
+        );
         folder
     })
 }

@@ -1,7 +1,6 @@
 //! A mapping service built from another contract: two fields of equal size are swapped in
 //! its scan. Names and sizes agree, so only the schema hash differs.
 
-use std::process::ExitCode;
 use zeronav_msgs::header::Header;
 use zeronav_msgs::message;
 use zeronav_msgs::message::{FNV_OFFSET, Refusal, Wire, ZeroCopySend, fnv1a};
@@ -82,7 +81,7 @@ impl Topic for SwappedScan {
     }
 }
 
-struct SwappedFields {
+pub(crate) struct SwappedFields {
     _scan: Latest<SwappedScan>,
 }
 
@@ -100,8 +99,4 @@ impl Service for SwappedFields {
         shell.ready();
         Ok(())
     }
-}
-
-fn main() -> ExitCode {
-    zeronav_shell::run::<SwappedFields>()
 }

@@ -1,7 +1,6 @@
 //! A local planner whose velocity requests have items of another type: the slice of its topic holds
 //! `f32` and not `u8`. Everything else, the schema hash included, agrees.
 
-use std::process::ExitCode;
 use zeronav_msgs::command::VelocityRequest;
 use zeronav_msgs::message::Refusal;
 use zeronav_msgs::role::Role;
@@ -24,7 +23,7 @@ impl Topic for RequestWithNumbers {
     }
 }
 
-struct WritesWrongType {
+pub(crate) struct WritesWrongType {
     _request: Writer<RequestWithNumbers>,
 }
 
@@ -42,8 +41,4 @@ impl Service for WritesWrongType {
         shell.ready();
         Ok(())
     }
-}
-
-fn main() -> ExitCode {
-    zeronav_shell::run::<WritesWrongType>()
 }

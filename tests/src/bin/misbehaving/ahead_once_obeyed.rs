@@ -1,7 +1,6 @@
 //! A guard that keeps the robot at rest until it is obeyed; then it answers a tick that the robot has
 //! not begun, and is mute.
 
-use std::process::ExitCode;
 use zeronav_msgs::command::{Validity, VelocityCommand};
 use zeronav_msgs::header::Parents;
 use zeronav_msgs::role::Role;
@@ -13,7 +12,7 @@ use zeronav_tests::seats::{AnyConfig, is_obeyed};
 /// How far its last answer is ahead.
 const AHEAD_TICKS: u64 = 10_000;
 
-struct AheadOnceObeyed {
+pub(crate) struct AheadOnceObeyed {
     odometry: OdometryReader,
     command: Writer<RobotCommand>,
     is_mute: bool,
@@ -59,8 +58,4 @@ impl Service for AheadOnceObeyed {
         }
         Ok(())
     }
-}
-
-fn main() -> ExitCode {
-    zeronav_shell::run::<AheadOnceObeyed>()
 }
