@@ -31,7 +31,7 @@ impl Session<'_> {
     }
 
     /// Begins and ends what is due. In lockstep everybody has answered then, and the robot waits.
-    pub(super) fn see_to_faults(&mut self, stack: &mut Stack) {
+    pub(super) fn update_faults(&mut self, stack: &mut Stack) {
         self.note_recoveries();
         let lockstep = self.prepared.mode == RunMode::Lockstep;
         for sight in self.collector.sights.drain(..) {

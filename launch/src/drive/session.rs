@@ -224,7 +224,7 @@ impl<'a> Session<'a> {
     /// so it gets those that are left; in lockstep while the robot is held for the answer of its
     /// seat, which makes the tick from which they hold the same in every run.
     pub(super) fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
-        self.see_to_swap(stack);
+        self.update_swap(stack);
         let left_out = self.swaps.keeps();
         let restarts_before = self.restarter.records().len();
         let taken = match self.restarter.look(stack, &self.collector, left_out) {
@@ -279,14 +279,14 @@ impl<'a> Session<'a> {
             if let Some(ending) = self.asked_to_end(stack) {
                 return ending;
             }
-            self.see_to_order(stack);
+            self.update_order(stack);
             if let Some(ending) = self.keep(stack) {
                 return ending;
             }
             if let Some(ending) = self.try_again(stack) {
                 return ending;
             }
-            self.see_to_faults(stack);
+            self.update_faults(stack);
             self.keep_zones(stack);
             self.companions.look(stack);
             let tick = self.collector.robot_tick();

@@ -156,7 +156,7 @@ impl Session<'_> {
     }
 
     /// Looks after the swap that goes on.
-    pub(super) fn see_to_swap(&mut self, stack: &mut Stack) {
+    pub(super) fn update_swap(&mut self, stack: &mut Stack) {
         self.begin_due_swap(stack);
         let Some(mut swap) = self.swaps.current.take() else {
             return;

@@ -62,7 +62,7 @@ impl Session<'_> {
 
     /// Gives up the current order when its time is over, and sends again what there was no memory
     /// for.
-    pub(super) fn see_to_order(&mut self, stack: &mut Stack) {
+    pub(super) fn update_order(&mut self, stack: &mut Stack) {
         if self.orders.is_over_time(self.collector.run_ns) {
             self.cancel_task(stack);
         } else if self.task.is_unsent() {
