@@ -260,7 +260,7 @@ impl Companion {
             }
         })?;
         if let Invocation::Page(page) = &self.plan.invocation {
-            page.hear(&mut process)?;
+            page.ingest(&mut process)?;
         }
         Ok(process)
     }
