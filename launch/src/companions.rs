@@ -44,13 +44,13 @@ pub(crate) struct Plan {
     pub restarts: u32,
     /// Where its log goes.
     pub log: LogPlace,
-    /// What it is told.
-    pub told: Told,
+    /// How it is started.
+    pub invocation: Invocation,
 }
 
-/// What a companion is told on its command line.
+/// The arguments of a companion, and its standard streams.
 #[derive(Debug)]
-pub(crate) enum Told {
+pub(crate) enum Invocation {
     /// The flags of a companion.
     Flags {
         /// Its configuration file.
@@ -201,8 +201,8 @@ impl Companion {
 
     fn try_start(&self, stack: &Stack) -> std::io::Result<Process> {
         let root = stack.root();
-        let (arguments, stdin, stdout) = match &self.plan.told {
-            Told::Flags { config, log_level } => {
+        let (arguments, stdin, stdout) = match &self.plan.invocation {
+            Invocation::Flags { config, log_level } => {
                 let arguments: Vec<OsString> = vec![
                     "--domain".into(),
                     root.into(),
@@ -215,7 +215,7 @@ impl Companion {
                 ];
                 (arguments, Stdio::null(), None)
             }
-            Told::Recording {
+            Invocation::Recording {
                 file,
                 scenario,
                 driven_by,
@@ -241,7 +241,7 @@ impl Companion {
                 arguments.extend(is_bag.then(|| "--metadata".into()));
                 (arguments, Stdio::null(), None)
             }
-            Told::Page(page) => (page.flags(root), page.stdin(), Some(Stdio::piped())),
+            Invocation::Page(page) => (page.flags(root), page.stdin(), Some(Stdio::piped())),
         };
         let beginning = Beginning {
             name: &self.plan.name,
@@ -253,14 +253,14 @@ impl Companion {
             stdout,
         };
         // A browser that the live page opens is none of the stack's processes.
-        let is_page = matches!(self.plan.told, Told::Page(_));
+        let is_page = matches!(self.plan.invocation, Invocation::Page(_));
         let mut process = Process::start(beginning, |command| {
             if is_page {
                 command.env_remove(MARK);
             }
         })?;
-        if let Told::Page(page) = &self.plan.told {
-            page.hear(&mut process)?;
+        if let Invocation::Page(page) = &self.plan.invocation {
+            page.ingest(&mut process)?;
         }
         Ok(process)
     }
@@ -304,12 +304,12 @@ impl Companion {
                 tracing::info!(companion = name, how, why, "lost");
                 let log = self.plan.log.path();
                 let log = log.display();
-                let hint = match self.plan.told {
-                    Told::Page(_) => live_view::HINT.to_owned(),
-                    Told::Recording { .. } => format!(
+                let hint = match self.plan.invocation {
+                    Invocation::Page(_) => live_view::HINT.to_owned(),
+                    Invocation::Recording { .. } => format!(
                         "the run goes on and is not recorded; see {log}, and `zeronav bag recover`"
                     ),
-                    Told::Flags { .. } => format!("the run goes on; see {log}"),
+                    Invocation::Flags { .. } => format!("the run goes on; see {log}"),
                 };
                 complain(&format!("companion {name} is lost ({how}): {why}; {hint}"));
             }

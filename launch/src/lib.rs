@@ -2,9 +2,11 @@
 
 #![warn(clippy::print_stderr)]
 
+pub mod algorithms;
 pub mod background_load;
 pub mod bag;
 pub mod bisect;
+pub mod check;
 pub mod cli;
 mod collect;
 pub mod command_start;
@@ -27,9 +29,9 @@ pub mod import;
 mod judge;
 mod known_words;
 pub mod latency;
+pub mod list;
 pub mod live_view;
 pub mod logs;
-pub mod look;
 pub mod map_save;
 pub mod new_package;
 mod on_host;

@@ -144,7 +144,7 @@ impl LivePage {
     ///
     /// # Errors
     /// When there is no room for a thread.
-    pub(crate) fn hear(&self, process: &mut Process) -> std::io::Result<()> {
+    pub(crate) fn ingest(&self, process: &mut Process) -> std::io::Result<()> {
         let before = self.link();
         if let (Some(link), Some(mut stdin)) = (&before, process.stdin()) {
             // One that has died already is noticed as such.

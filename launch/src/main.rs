@@ -12,9 +12,9 @@ use zeronav::new_package;
 use zeronav::remote::{fault, goal, swap, verbs, zone};
 use zeronav::show::log;
 use zeronav::{
-    background_load, bag, bisect, command_start, commands, compare, completions, debug, doctor,
-    host, import, latency, logs, look, map_save, params, picture, recordings, remote, replay,
-    report, start_up, top, topics, view_recording, why,
+    algorithms, background_load, bag, bisect, check, command_start, commands, compare, completions,
+    debug, doctor, host, import, latency, list, logs, map_save, params, picture, recordings,
+    remote, replay, report, start_up, top, topics, view_recording, why,
 };
 use zeronav_console::exit::EXIT_USAGE;
 use zeronav_console::{arguments, terminal};
@@ -61,10 +61,10 @@ fn main() -> ExitCode {
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::StartUp(arguments) => start_up::start_up(&arguments),
         Command::Up(arguments) => commands::up(&arguments.plan(), arguments.start.output.json),
-        Command::List { json } => look::list(json),
-        Command::Check { scenario, json } => look::check(&scenario, json),
-        Command::Planners { json } => look::algorithms_of(Role::GlobalPlanner, json),
-        Command::Controllers { json } => look::algorithms_of(Role::LocalPlanner, json),
+        Command::List { json } => list::list(json),
+        Command::Check { scenario, json } => check::check(&scenario, json),
+        Command::Planners { json } => algorithms::list(Role::GlobalPlanner, json),
+        Command::Controllers { json } => algorithms::list(Role::LocalPlanner, json),
         Command::Params(arguments) => params::params(&arguments),
         Command::Schema => params::schema(),
         Command::Ps { json } => remote::ps(json),

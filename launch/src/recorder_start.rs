@@ -2,7 +2,7 @@
 
 mod parameters;
 
-use crate::companions::{Companions, Plan, Told};
+use crate::companions::{Companions, Invocation, Plan};
 use crate::prepare::Prepared;
 use crate::recorder::{BINARY, DrivenBy, RecordedTicks, START_LIMIT, WALL_LIMIT, last_words};
 use parameters::Asked;
@@ -33,7 +33,7 @@ pub(crate) fn start_recorder(
         binary: binaries::find(Path::new(BINARY))?,
         restarts: 0,
         log: log.clone(),
-        told: Told::Recording {
+        invocation: Invocation::Recording {
             scenario: write_scenario(prepared)?,
             driven_by,
             parameters: write_parameters(stack, prepared, configs)?,

@@ -56,7 +56,7 @@ fn told(role: Role, beat: Option<(u64, HealthState, u32)>) -> (Told, Option<Stri
             reasons,
             ..Health::default()
         };
-        top.hear(&Heard::Beat(header, beat));
+        top.ingest(&Heard::Beat(header, beat));
         page.beat(&header, &beat);
         heart = Heart::of(&header, &beat);
     }
@@ -219,7 +219,7 @@ fn hops_and_percentiles_are_the_same_live_and_in_the_result() {
     let header = header(Role::GlobalPlanner, REPLANNED, NOW_NS);
     let mut path = Path::new("jps", PathStatus::Found, PathCause::Obstacle, 1, &[]);
     path.geometry = header.id;
-    top.hear(&Heard::Path(header, path));
+    top.ingest(&Heard::Path(header, path));
     page.new_path(header.id());
     for span in &records.spans {
         top.span(span);

@@ -110,7 +110,7 @@ pub struct RunTotals {
 
 impl RunTotals {
     /// Takes in a fact about a tick and its run time. [ns]
-    pub fn hear(&mut self, tick: u64, run_ns: u64, fact: Fact) {
+    pub fn ingest(&mut self, tick: u64, run_ns: u64, fact: Fact) {
         if self.end_tick.is_some() {
             self.settle(tick, run_ns, fact);
             return;
@@ -221,16 +221,16 @@ mod tests {
         Fact::Truth(truth, Vec::new())
     }
 
-    fn hear(totals: &mut RunTotals, tick: u32, fact: Fact) {
+    fn ingest(totals: &mut RunTotals, tick: u32, fact: Fact) {
         let tick = u64::from(tick);
-        totals.hear(tick, tick * TICK_NS, fact);
+        totals.ingest(tick, tick * TICK_NS, fact);
     }
 
     /// The totals of a run that ends at tick 299, of whose end launch hears `late` ticks later.
     fn run(late: u32) -> RunTotals {
         let mut totals = RunTotals::default();
         for tick in 1..=299 + late {
-            hear(&mut totals, tick, truth(tick));
+            ingest(&mut totals, tick, truth(tick));
             let why = if tick % 2 == 1 {
                 Intervention::Slowed
             } else {
@@ -238,7 +238,7 @@ mod tests {
             };
             // The last commands are heard after the end.
             if tick + 3 < 299 + late {
-                hear(&mut totals, tick, Fact::Command(Some(why)));
+                ingest(&mut totals, tick, Fact::Command(Some(why)));
             }
         }
         totals.end_at(299);
@@ -248,9 +248,9 @@ mod tests {
             } else {
                 Intervention::None
             };
-            hear(&mut totals, tick, Fact::Command(Some(why)));
+            ingest(&mut totals, tick, Fact::Command(Some(why)));
         }
-        hear(&mut totals, 300 + late, truth(300 + late));
+        ingest(&mut totals, 300 + late, truth(300 + late));
         totals
     }
 
@@ -278,8 +278,8 @@ mod tests {
     #[test]
     fn the_idle_output_of_the_guard_is_no_intervention() {
         let mut totals = RunTotals::default();
-        hear(&mut totals, 0, Fact::Command(Some(Intervention::Refused)));
-        hear(&mut totals, 1, Fact::Command(Some(Intervention::None)));
+        ingest(&mut totals, 0, Fact::Command(Some(Intervention::Refused)));
+        ingest(&mut totals, 1, Fact::Command(Some(Intervention::None)));
         totals.end_at(9);
         assert_eq!(totals.motion.interventions, []);
     }
@@ -287,8 +287,8 @@ mod tests {
     #[test]
     fn where_nothing_is_near_there_is_no_clearance() {
         let mut totals = RunTotals::default();
-        hear(&mut totals, 1, truth(1));
-        hear(&mut totals, 10, truth(10));
+        ingest(&mut totals, 1, truth(1));
+        ingest(&mut totals, 10, truth(10));
         totals.end_at(9);
         assert_eq!(totals.clearance_m_min, None);
     }

@@ -87,7 +87,7 @@ impl Collector {
             self.sights.push(Sight { tick, centre_m });
         }
         let fact = Fact::Truth(*view.meta, view.items.to_vec());
-        self.totals.hear(tick, run_ns, fact);
+        self.totals.ingest(tick, run_ns, fact);
     }
 
     /// Takes in what the local planner asks for.
@@ -107,7 +107,7 @@ impl Collector {
             let zones = self.zones_near(view.meta);
             self.reasons.zones(tick, run_ns, zones);
         }
-        (self.totals).hear(tick, run_ns, Fact::Command(view.meta.intervention()));
+        (self.totals).ingest(tick, run_ns, Fact::Command(view.meta.intervention()));
     }
 
     /// Takes in where the wheels say the robot is.
@@ -121,7 +121,7 @@ impl Collector {
         (self.film).odometry(view.header.tick, view.header.run_ns, view.meta);
         if view.meta.scan_due() {
             let fact = Fact::Odometry(view.meta.pose);
-            (self.totals).hear(view.header.tick, view.header.run_ns, fact);
+            (self.totals).ingest(view.header.tick, view.header.run_ns, fact);
         }
     }
 
@@ -140,7 +140,7 @@ impl Collector {
         }
         self.tracked.push_back((scan, view.items.to_vec()));
         let fact = Fact::Moving(scan, view.items.to_vec());
-        (self.totals).hear(view.header.tick, view.header.run_ns, fact);
+        (self.totals).ingest(view.header.tick, view.header.run_ns, fact);
     }
 
     /// Takes in the whole map.
@@ -159,7 +159,7 @@ impl Collector {
             self.certainty = view.meta.certainty();
             self.film.certainty(view.header.run_ns, self.certainty);
             let fact = Fact::Placed(scan, view.meta.map_from_odom, self.certainty);
-            (self.totals).hear(view.header.tick, view.header.run_ns, fact);
+            (self.totals).ingest(view.header.tick, view.header.run_ns, fact);
         }
         if self.replica.update(view.header.id(), view.meta, view.items) != Step::Applied {
             return;
@@ -261,7 +261,7 @@ impl Collector {
         let run_ns = if is_then { view.header.run_ns } else { 0 };
         self.reasons.task(tick, run_ns, told);
         self.totals
-            .hear(tick, view.header.run_ns, Fact::Task(report));
+            .ingest(tick, view.header.run_ns, Fact::Task(report));
     }
 
     fn sightings(&mut self, run_ns: u64, truth: &Truth, obstacles: &[TruthObstacle]) {

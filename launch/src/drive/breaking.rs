@@ -31,7 +31,7 @@ impl Session<'_> {
     }
 
     /// Begins and ends what is due. In lockstep everybody has answered then, and the robot waits.
-    pub(super) fn see_to_faults(&mut self, stack: &mut Stack) {
+    pub(super) fn update_faults(&mut self, stack: &mut Stack) {
         self.note_recoveries();
         let lockstep = self.prepared.mode == RunMode::Lockstep;
         for sight in self.collector.sights.drain(..) {
@@ -109,7 +109,7 @@ impl Session<'_> {
         {
             return Err(no_process(role));
         }
-        if mode == RunMode::Lockstep && self.is_ready {
+        if mode == RunMode::Lockstep && self.phase.is_ready() {
             let tick = stack.roster.control.lease;
             (self.faults.schedule).add(tick, Event::Begin(fault.clone()));
             return Ok(());
@@ -135,7 +135,7 @@ impl Session<'_> {
             return Err(format!("no fault{whose} goes on"));
         }
         for id in ids {
-            if self.prepared.mode == RunMode::Lockstep && self.is_ready {
+            if self.prepared.mode == RunMode::Lockstep && self.phase.is_ready() {
                 let tick = stack.roster.control.lease;
                 self.faults.schedule.add(tick, Event::End(id));
             } else {
@@ -228,7 +228,7 @@ impl Session<'_> {
                 after_tick: tick,
                 since_ns,
             });
-            if self.prepared.mode == RunMode::Lockstep && self.is_ready {
+            if self.prepared.mode == RunMode::Lockstep && self.phase.is_ready() {
                 self.faults.hold = Some(Hold { role, epoch, tick });
             }
         }

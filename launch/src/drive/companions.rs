@@ -1,7 +1,7 @@
 //! The companions of a run: those of its scenario, and the live page.
 
 use super::session::Session;
-use crate::companions::{Plan, Told};
+use crate::companions::{Invocation, Plan};
 use crate::configs;
 use crate::live_view::{self, LivePage};
 use crate::recorder::{DrivenBy, RecordedTicks, file_of_round, last_words};
@@ -34,7 +34,7 @@ impl Session<'_> {
                 binary: binary.clone(),
                 restarts: spec.restarts,
                 log: prepared.log(format!("{name}.log")),
-                told: Told::Flags {
+                invocation: Invocation::Flags {
                     config,
                     log_level: prepared.log_level.clone(),
                 },
@@ -106,7 +106,7 @@ impl Session<'_> {
             binary,
             restarts: RESTARTS,
             log: self.prepared.log(format!("{VIEWER}.log")),
-            told: Told::Page(LivePage::new(page)),
+            invocation: Invocation::Page(LivePage::new(page)),
         };
         self.companions.start(stack, plan);
     }

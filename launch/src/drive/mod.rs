@@ -2,15 +2,19 @@
 
 mod ballast;
 mod breaking;
+mod clients;
 mod companions;
 mod course;
+mod current_task;
 mod faults;
 mod handed_pose;
 mod last_pose;
 mod pace;
+mod phase;
 mod progress;
 mod reach;
 mod resuming;
+mod run_time;
 mod serve;
 mod session;
 mod standstill;
@@ -200,7 +204,7 @@ fn drive_stack(
     if let Some(folder) = stack.folder() {
         recorder::say_end(folder, end_tick, ending.outcome());
     }
-    let disturbance = session.at_start.take().map(|before| {
+    let disturbance = session.begin.reading.take().map(|before| {
         let spans = session.collector.records.spans.iter();
         reading(stack).since(&before, spans)
     });
@@ -231,9 +235,9 @@ fn drive_stack(
             command_ns: command_start::at_ns(),
             prepared_ns: prepared.ready_ns,
             configs_ns,
-            ..core::mem::take(&mut session.start)
+            ..core::mem::take(&mut session.begin.stamps)
         },
-        goals_run_ns: session.goals_run_ns,
+        goals_run_ns: session.begin.goals_run_ns,
         end_run_ns: end_tick * prepared.scenario.run.tick_ns(),
         end_tick,
         wall,

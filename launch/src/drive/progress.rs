@@ -14,7 +14,7 @@ impl Session<'_> {
                 done: quota.before + trial_runner.done(),
                 total: quota.total,
                 each_s: (trial_runner.done() > 0)
-                    .then(|| self.began.elapsed().as_secs_f64() / count(trial_runner.done())),
+                    .then(|| self.begin.at.elapsed().as_secs_f64() / count(trial_runner.done())),
             }),
             time_s: seconds(self.collector.run_ns),
             state: report.map_or_else(|| "waiting".to_owned(), |report| report.state.to_string()),

@@ -24,7 +24,7 @@ impl Session<'_> {
             }
             return;
         }
-        let is_known = self.is_ready && self.collector.is_pose_confirmed();
+        let is_known = self.phase.is_ready() && self.collector.is_pose_confirmed();
         let pose = self.collector.estimate().filter(|_| is_known);
         last_pose.first = last_pose.first.or(pose);
         if last_pose.looked.elapsed() < PAUSE {
@@ -84,7 +84,7 @@ impl Session<'_> {
         if let Some(writing) = self.last_pose.as_mut().and_then(|it| it.writing.take()) {
             let _ = writing.join();
         }
-        if let Some((file, text)) = self.last_pose_text().filter(|_| self.is_ready) {
+        if let Some((file, text)) = self.last_pose_text().filter(|_| self.phase.is_ready()) {
             write(&file, &text);
         }
     }

@@ -61,11 +61,11 @@ fn interference(request: &Request) -> Option<&'static str> {
 impl Session<'_> {
     /// Answers the clients that have asked since the last look.
     pub(super) fn serve(&mut self, stack: &mut Stack) {
-        let Some(mut server) = self.server.take() else {
+        let Some(mut server) = self.clients.server.take() else {
             return;
         };
         server.serve(|request| self.answer(stack, request).unwrap_or_else(Reply::Error));
-        self.server = Some(server);
+        self.clients.server = Some(server);
     }
 
     fn answer(&mut self, stack: &mut Stack, request: Request) -> Result<Reply, String> {
@@ -77,12 +77,12 @@ impl Session<'_> {
                 | Request::Why { .. }
                 | Request::Zones
         );
-        if self.is_ending && !is_question {
+        if self.phase.is_ending() && !is_question {
             return Err("the stack is ending".to_owned());
         }
         let interference = interference(&request);
         let reply = self.carry_out(stack, request)?;
-        self.interferences.extend(interference);
+        self.clients.interferences.extend(interference);
         Ok(reply)
     }
 
@@ -128,7 +128,7 @@ impl Session<'_> {
                 return Ok(Reply::Swap(Box::new(result)));
             }
             Request::SwapCancel => self.cancel_swap(stack)?,
-            Request::Down => self.is_down = true,
+            Request::Down => self.clients.asked_for_end = true,
         }
         Ok(Reply::Done)
     }
@@ -356,11 +356,11 @@ impl Session<'_> {
             folder: std::path::absolute(&self.prepared.directory).unwrap_or_default(),
             pid: std::process::id(),
             mode: self.prepared.mode.to_string(),
-            ready: self.is_ready,
-            paused: self.is_paused,
+            ready: self.phase.is_ready(),
+            paused: self.run_time.is_paused,
             stands: self.stands(stack),
             binaries: self.listed_binaries(),
-            speed: self.speed.factor(),
+            speed: self.run_time.speed.factor(),
             time_s: seconds(self.collector.run_ns),
             tick: self.collector.robot_tick(),
             pose: truth.map(|truth| [truth.pose.x_m, truth.pose.y_m, truth.pose.yaw_rad]),
@@ -384,8 +384,8 @@ impl Session<'_> {
 
     /// True when a paused lockstep stack has answered every tick that it may do.
     fn stands(&self, stack: &Stack) -> bool {
-        let is_held = self.is_paused && self.is_ready && self.lockstep();
-        is_held && (self.collector).all_answered(self.hold_tick, &stack.roster)
+        let is_held = self.run_time.is_paused && self.phase.is_ready() && self.lockstep();
+        is_held && (self.collector).all_answered(self.run_time.hold_tick, &stack.roster)
     }
 
     /// Why the robot does what it does; empty before the stages have said anything.

@@ -1,9 +1,12 @@
 //! One drive while it goes on.
 
+use super::clients::Clients;
 use super::course::trial_runner;
+use super::current_task::CurrentTask;
 use super::faults::Faults;
 use super::last_pose::LastPose;
-use super::pace::Speed;
+use super::phase::{Begin, Phase};
+use super::run_time::RunTime;
 use super::standstill::{Standing, Standstill};
 use super::swaps::Swaps;
 use super::zone_store::ZoneStore;
@@ -19,15 +22,14 @@ use crate::recorder::RecordedTicks;
 use crate::restarter::Restarter;
 use crate::trial_runner::{Quota, Step, TrialRunner};
 use crate::why;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zeronav_console::progress::ProgressLine;
 use zeronav_console::terminal::note;
 use zeronav_measure::run_totals::TaskReport;
-use zeronav_measure::start_up::StartStamps;
 use zeronav_msgs::Pose;
 use zeronav_msgs::role::Role;
 use zeronav_msgs::run::RunMode;
@@ -43,23 +45,19 @@ pub(super) const LEASE_TICKS: u64 = 30;
 const _: () = assert!(LEASE_TICKS <= GroundTruth::ROW.buffer() as u64);
 
 /// One drive while it goes on: the services, what they report, and the goals.
-#[allow(clippy::struct_excessive_bools, reason = "independent states")]
 pub(super) struct Session<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) interrupted: Arc<AtomicBool>,
     pub(super) quota: Option<Quota>,
     pub(super) trial_runner: Option<TrialRunner<'a>>,
-    pub(super) began: Instant,
+    pub(super) phase: Phase,
+    pub(super) begin: Begin,
     pub(super) collector: Collector,
     pub(super) restarter: Restarter<'a>,
     line: ProgressLine,
-    pub(super) goals_run_ns: u64,
     /// Faults of the scenario and of clients.
     pub(super) faults: Faults,
-    /// The goals of the current task.
-    pub(super) task: Vec<Goal>,
-    /// Its id, 0 = none was sent: without one, or because there was no memory for the message.
-    pub(super) task_id: u64,
+    pub(super) task: CurrentTask,
     /// Goals of clients.
     pub(super) orders: Orders,
     /// Obstacles that clients have put into the world.
@@ -76,30 +74,8 @@ pub(super) struct Session<'a> {
     pub(super) companions: Companions,
     /// How far the recorder is, in a lockstep run that is recorded.
     pub(super) recorded: Option<RecordedTicks>,
-    /// True once every service can answer.
-    pub(super) is_ready: bool,
-    /// True while run time is held.
-    pub(super) is_paused: bool,
-    /// The tick at which a paused lockstep robot waits.
-    pub(super) hold_tick: u64,
-    /// How fast lockstep goes.
-    pub(super) speed: Speed,
-    /// True while the current task is being cancelled.
-    pub(super) is_cancelling: bool,
-    /// True once the run ends: no request changes anything any more.
-    pub(super) is_ending: bool,
-    /// The run's end of the control socket, once it is open.
-    pub(super) server: Option<Server>,
-    /// What clients did that the scenario does not know of.
-    pub(super) interferences: BTreeSet<&'static str>,
-    /// True once a client has asked for the end.
-    pub(super) is_down: bool,
-    /// Number of the next goal.
-    next_goal: u64,
-    /// Moments of the start.
-    pub(super) start: StartStamps,
-    /// The kernel's counters when the first goal was sent; in real time only.
-    pub(super) at_start: Option<Reading>,
+    pub(super) run_time: RunTime,
+    pub(super) clients: Clients,
 }
 
 impl<'a> Session<'a> {
@@ -114,14 +90,13 @@ impl<'a> Session<'a> {
             interrupted: Arc::clone(interrupted),
             quota,
             trial_runner: quota.and_then(|quota| trial_runner(prepared, quota)),
-            began: Instant::now(),
+            phase: Phase::Starting,
+            begin: Begin::now(),
             collector: Collector::default(),
             restarter: Restarter::new(prepared, configs),
             line: ProgressLine::new(&prepared.scenario.name, prepared.progress),
-            goals_run_ns: 0,
             faults: Faults::new(prepared),
-            task: Vec::new(),
-            task_id: 0,
+            task: CurrentTask::default(),
             orders: Orders::default(),
             placed: PlacedObstacles::new(
                 (prepared.world.obstacles().iter()).map(|obstacle| obstacle.spec.name.clone()),
@@ -132,20 +107,8 @@ impl<'a> Session<'a> {
             swaps: Swaps::default(),
             companions: Companions::default(),
             recorded: None,
-            is_ready: false,
-            is_paused: prepared.stands_before.is_some(),
-            hold_tick: prepared
-                .stands_before
-                .map_or(0, |tick| tick.saturating_sub(1)),
-            speed: Speed::default(),
-            is_cancelling: false,
-            is_ending: false,
-            server: None,
-            interferences: BTreeSet::new(),
-            is_down: false,
-            next_goal: 1,
-            start: StartStamps::default(),
-            at_start: None,
+            run_time: RunTime::held_before(prepared.stands_before),
+            clients: Clients::default(),
         }
     }
 
@@ -155,7 +118,7 @@ impl<'a> Session<'a> {
     /// One line when the stack could not be started at all.
     pub(super) fn run(&mut self, stack: &mut Stack) -> Result<Ending, String> {
         let ending = self.until_it_ends(stack);
-        self.is_ending = true;
+        self.phase.end();
         self.line.clear();
         ending
     }
@@ -167,7 +130,7 @@ impl<'a> Session<'a> {
             .map_err(|error| error.to_string())?;
         let server =
             Server::open(folder).map_err(|error| format!("opening the control socket: {error}"))?;
-        self.server = Some(server);
+        self.clients.server = Some(server);
         // All of them before the first start: no process started by hand gets in between.
         for role in self.prepared.binaries.keys() {
             stack.hold_seat(*role).map_err(|error| error.to_string())?;
@@ -177,13 +140,13 @@ impl<'a> Session<'a> {
         for role in Role::SERVICES {
             self.restarter.start(stack, role)?;
             if self.prepared.binaries.contains_key(&role) {
-                self.start.started_ns.insert(role, now_ns());
+                self.begin.stamps.started_ns.insert(role, now_ns());
             }
         }
         if let Some(ending) = self.wait_until_ready(stack) {
             return Ok(ending);
         }
-        self.goals_run_ns = if self.lockstep() {
+        self.begin.goals_run_ns = if self.lockstep() {
             0
         } else {
             self.collector.run_ns
@@ -195,12 +158,12 @@ impl<'a> Session<'a> {
                 .collect(),
         };
         if !self.lockstep() && !self.prepared.stays {
-            self.at_start = Some(reading(stack));
+            self.begin.reading = Some(reading(stack));
         }
         self.ready(stack);
         if !goals.is_empty() && !self.prepared.stays {
             self.send(stack, goals, 1);
-            self.start.goals_ns = now_ns();
+            self.begin.stamps.goals_ns = now_ns();
         }
         self.begin_order(stack);
         Ok(self.watch(stack))
@@ -208,7 +171,7 @@ impl<'a> Session<'a> {
 
     /// Every service can answer.
     fn ready(&mut self, stack: &mut Stack) {
-        self.is_ready = true;
+        self.phase = Phase::Ready;
         self.show_page(stack);
         if self.prepared.stays {
             note(&format!(
@@ -225,19 +188,16 @@ impl<'a> Session<'a> {
 
     /// Sends goals, numbered in the order of this run.
     pub(super) fn send(&mut self, stack: &mut Stack, mut goals: Vec<Goal>, from_tick: u64) {
-        for goal in &mut goals {
-            goal.id = self.next_goal;
-            self.next_goal += 1;
-        }
+        self.task.number(&mut goals);
         let from_tick = if self.lockstep() { from_tick } else { 0 };
-        self.is_cancelling = false;
-        self.task_id = stack.send_goals(&goals, from_tick);
-        for Goal { id, pose, .. } in goals.iter().filter(|_| self.task_id != 0) {
+        self.task.is_cancelling = false;
+        self.task.id = stack.send_goals(&goals, from_tick);
+        for Goal { id, pose, .. } in goals.iter().filter(|_| self.task.id != 0) {
             let (x_m, y_m, yaw_rad) = (pose.x_m, pose.y_m, pose.yaw_rad);
-            tracing::info!(task = self.task_id, goal = id, x_m, y_m, yaw_rad, "sent");
+            tracing::info!(task = self.task.id, goal = id, x_m, y_m, yaw_rad, "sent");
         }
         self.collector.goals(&goals);
-        self.task = goals;
+        self.task.goals = goals;
     }
 
     /// Sends goals from the first tick on that the robot may not have begun.
@@ -257,16 +217,14 @@ impl<'a> Session<'a> {
 
     /// The goals of the current task that are not reached yet.
     pub(super) fn left(&self) -> Vec<Goal> {
-        let reached = &self.collector.reached;
-        let left = self.task.iter().filter(|goal| !reached.contains(&goal.id));
-        left.copied().collect()
+        self.task.left(&self.collector.reached)
     }
 
     /// Sees to the processes. A new local planner knows nothing of goals that were reached before,
     /// so it gets those that are left; in lockstep while the robot is held for the answer of its
     /// seat, which makes the tick from which they hold the same in every run.
     pub(super) fn keep(&mut self, stack: &mut Stack) -> Option<Ending> {
-        self.see_to_swap(stack);
+        self.update_swap(stack);
         let left_out = self.swaps.keeps();
         let restarts_before = self.restarter.records().len();
         let taken = match self.restarter.look(stack, &self.collector, left_out) {
@@ -276,8 +234,8 @@ impl<'a> Session<'a> {
         self.hand_pose_on(stack, restarts_before);
         for taken in taken {
             let left = self.left();
-            let goes_on = taken.role == Role::LocalPlanner && !self.is_cancelling;
-            if goes_on && left.len() < self.task.len() && !left.is_empty() {
+            let goes_on = taken.role == Role::LocalPlanner && !self.task.is_cancelling;
+            if goes_on && left.len() < self.task.goals.len() && !left.is_empty() {
                 let from_tick = taken.on_tick.max(self.collector.robot_tick() + 1);
                 self.send(stack, left, from_tick);
             }
@@ -321,14 +279,14 @@ impl<'a> Session<'a> {
             if let Some(ending) = self.asked_to_end(stack) {
                 return ending;
             }
-            self.see_to_order(stack);
+            self.update_order(stack);
             if let Some(ending) = self.keep(stack) {
                 return ending;
             }
             if let Some(ending) = self.try_again(stack) {
                 return ending;
             }
-            self.see_to_faults(stack);
+            self.update_faults(stack);
             self.keep_zones(stack);
             self.companions.look(stack);
             let tick = self.collector.robot_tick();
@@ -349,7 +307,11 @@ impl<'a> Session<'a> {
                 stack.extend_lease((tick + LEASE_TICKS).min(last_tick));
             } else if self.trial_runner.is_none()
                 && !self.prepared.stays
-                && self.collector.run_ns.saturating_sub(self.goals_run_ns) > limit_ns
+                && self
+                    .collector
+                    .run_ns
+                    .saturating_sub(self.begin.goals_run_ns)
+                    > limit_ns
             {
                 return Ending::Timeout;
             }
@@ -370,7 +332,7 @@ impl<'a> Session<'a> {
         let report = self.report()?;
         match (report.state, &mut self.trial_runner) {
             // A local planner without a task has nothing to cancel.
-            (TaskState::Idle, None) if self.is_cancelling => {
+            (TaskState::Idle, None) if self.task.is_cancelling => {
                 self.over(stack, TaskState::Cancelled, report.reason)
             }
             (TaskState::Idle | TaskState::Active, _) => None,
@@ -389,7 +351,7 @@ impl<'a> Session<'a> {
     /// with the scenario's goals that one had taken the place of.
     fn over(&mut self, stack: &mut Stack, state: TaskState, reason: EndReason) -> Option<Ending> {
         // The last goal may have been reached before the cancellation was due.
-        let is_reached = self.is_cancelling && self.left().is_empty();
+        let is_reached = self.task.is_cancelling && self.left().is_empty();
         let state = if is_reached {
             TaskState::Reached
         } else {
@@ -452,9 +414,7 @@ impl<'a> Session<'a> {
 
     /// What is said about the current task.
     pub(super) fn report(&self) -> Option<TaskReport> {
-        self.collector
-            .task
-            .filter(|report| self.task_id != 0 && report.task == self.task_id)
+        self.collector.task.filter(|report| self.task.is_of(report))
     }
 
     /// The tick that ends the measured part of the run: the same in every lockstep run.

@@ -156,7 +156,7 @@ impl Session<'_> {
     }
 
     /// Looks after the swap that goes on.
-    pub(super) fn see_to_swap(&mut self, stack: &mut Stack) {
+    pub(super) fn update_swap(&mut self, stack: &mut Stack) {
         self.begin_due_swap(stack);
         let Some(mut swap) = self.swaps.current.take() else {
             return;
@@ -208,11 +208,11 @@ impl Session<'_> {
 
 /// What sits in a seat of the other host is told which program is to be started there, and with which keys:
 /// those of `order` over those of the one in the seat, when that is the same program.
-fn program_there(office: Table, order: &SwapOrder) -> Result<Table, String> {
+fn program_there(incumbent: Table, order: &SwapOrder) -> Result<Table, String> {
     let said = |error: &dyn core::fmt::Display| error.to_string();
-    let office: Program = office.try_into().map_err(|error| said(&error))?;
+    let incumbent: Program = incumbent.try_into().map_err(|error| said(&error))?;
     let binary = match &order.binary {
-        None => office.binary.clone(),
+        None => incumbent.binary.clone(),
         Some(path) if path.components().count() == 1 => path.display().to_string(),
         Some(path) => {
             let role = &order.role;
@@ -229,8 +229,8 @@ fn program_there(office: Table, order: &SwapOrder) -> Result<Table, String> {
         ));
     }
     let mut keys = Table::new();
-    if binary == office.binary {
-        keys = toml::from_str(&office.keys).map_err(|error| said(&error))?;
+    if binary == incumbent.binary {
+        keys = toml::from_str(&incumbent.keys).map_err(|error| said(&error))?;
     }
     lay_over(&mut keys, order.config.clone());
     let keys = keys.to_string();

@@ -35,12 +35,16 @@ impl Session<'_> {
         order: Order,
         now: bool,
     ) -> Result<u64, String> {
-        let time_s = seconds(self.collector.run_ns.saturating_sub(self.goals_run_ns));
+        let time_s = seconds(
+            self.collector
+                .run_ns
+                .saturating_sub(self.begin.goals_run_ns),
+        );
         if now {
             self.orders.replace(self.collector.run_ns);
         }
         let id = self.orders.give(time_s, order)?;
-        if self.is_ready {
+        if self.phase.is_ready() {
             self.begin_order(stack);
         }
         Ok(id)
@@ -58,14 +62,14 @@ impl Session<'_> {
 
     /// Gives up the current order when its time is over, and sends again what there was no memory
     /// for.
-    pub(super) fn see_to_order(&mut self, stack: &mut Stack) {
+    pub(super) fn update_order(&mut self, stack: &mut Stack) {
         if self.orders.is_over_time(self.collector.run_ns) {
             self.cancel_task(stack);
-        } else if self.task_id == 0 && !self.task.is_empty() {
-            if self.is_cancelling {
+        } else if self.task.is_unsent() {
+            if self.task.is_cancelling {
                 self.cancel_task(stack);
             } else {
-                let goals = core::mem::take(&mut self.task);
+                let goals = core::mem::take(&mut self.task.goals);
                 self.send_now(stack, goals);
             }
         }
@@ -82,7 +86,7 @@ impl Session<'_> {
         if id.is_none() && self.has_no_goal() {
             return Err("there is no goal to cancel".to_owned());
         }
-        if self.orders.cancel(id)? && !self.task.is_empty() {
+        if self.orders.cancel(id)? && !self.task.goals.is_empty() {
             self.cancel_task(stack);
         }
         Ok(())
@@ -91,9 +95,9 @@ impl Session<'_> {
     /// Asks the local planner to end its task; how it ended comes with its status.
     fn cancel_task(&mut self, stack: &mut Stack) {
         let from_tick = self.next_tick(stack);
-        self.is_cancelling = true;
-        self.task_id = stack.send_goals(&[], from_tick);
-        tracing::info!(task = self.task_id, "cancelled");
+        self.task.is_cancelling = true;
+        self.task.id = stack.send_goals(&[], from_tick);
+        tracing::info!(task = self.task.id, "cancelled");
     }
 
     /// No task from now on. It is said to the local planner, too: a successor would begin the last
@@ -101,7 +105,6 @@ impl Session<'_> {
     pub(super) fn rest(&mut self, stack: &mut Stack) {
         let from_tick = self.next_tick(stack);
         stack.send_goals(&[], from_tick);
-        self.task_id = 0;
         self.task.clear();
     }
 
@@ -114,8 +117,8 @@ impl Session<'_> {
         if self.trial_runner.is_some() {
             return Err("the run measures latencies and cannot be paused".to_owned());
         }
-        self.is_paused = true;
-        self.hold_tick = stack.roster.control.lease;
+        self.run_time.is_paused = true;
+        self.run_time.hold_tick = stack.roster.control.lease;
         if self.prepared.mode == RunMode::RealTime {
             stack.pause(true);
         }
@@ -127,12 +130,12 @@ impl Session<'_> {
     /// # Errors
     /// When it is not held.
     pub(super) fn resume(&mut self, stack: &mut Stack) -> Result<(), String> {
-        if !self.is_paused {
+        if !self.run_time.is_paused {
             return Err("the stack is not paused".to_owned());
         }
-        self.is_paused = false;
+        self.run_time.is_paused = false;
         let robot_tick = self.collector.robot_tick();
-        self.speed.restart(robot_tick, Instant::now());
+        self.run_time.speed.restart(robot_tick, Instant::now());
         stack.pause(false);
         Ok(())
     }
@@ -145,13 +148,13 @@ impl Session<'_> {
         if self.prepared.mode != RunMode::Lockstep {
             return Err("only a lockstep stack can step (zeronav up --lockstep)".to_owned());
         }
-        if !self.is_paused {
+        if !self.run_time.is_paused {
             return Err("the stack is not paused (zeronav pause)".to_owned());
         }
         if !(1..=STEP_TICKS_MAX).contains(&ticks) {
             return Err(format!("1 to {STEP_TICKS_MAX} ticks, not {ticks}"));
         }
-        self.hold_tick = self.hold_tick.saturating_add(ticks);
+        self.run_time.hold_tick = self.run_time.hold_tick.saturating_add(ticks);
         Ok(())
     }
 
@@ -172,24 +175,24 @@ impl Session<'_> {
         let tick = Duration::from_nanos(stack.roster.clock.tick_ns);
         let robot_tick = self.collector.robot_tick();
         let pace = factor.map(|factor| Pace::new(factor, tick, robot_tick, Instant::now()));
-        self.speed.ask(pace);
+        self.run_time.speed.ask(pace);
         Ok(())
     }
 
     /// The tick at which a lockstep robot that has reached `tick` has to wait, for whatever reason.
     pub(super) fn held_at(&mut self, tick: u64) -> u64 {
         let limit = self.swap_limit().min(self.fault_limit());
-        if self.is_paused {
-            return limit.min(self.hold_tick);
+        if self.run_time.is_paused {
+            return limit.min(self.run_time.hold_tick);
         }
         let is_idle = self.prepared.stays && self.has_no_goal();
         let length = Duration::from_nanos(self.prepared.scenario.run.tick_ns());
-        let granted = (self.speed).granted(is_idle, length, tick, Instant::now());
+        let granted = (self.run_time.speed).granted(is_idle, length, tick, Instant::now());
         limit.min(granted)
     }
 
     fn has_no_goal(&self) -> bool {
-        self.task.is_empty() && self.orders.n_waiting() == 0
+        self.task.goals.is_empty() && self.orders.n_waiting() == 0
     }
 
     /// Tells mapping that the robot is at `pose`, x [m], y [m] and yaw [rad] in the map frame, now: when
@@ -280,6 +283,6 @@ impl Session<'_> {
         if self.interrupted.load(Ordering::Relaxed) {
             return Some(Ending::Interrupted);
         }
-        self.is_down.then_some(Ending::Down)
+        self.clients.asked_for_end.then_some(Ending::Down)
     }
 }

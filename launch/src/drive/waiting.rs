@@ -54,7 +54,7 @@ impl Session<'_> {
     pub(super) fn held(&self, stack: &Stack, tick: u64, hold_tick: u64) -> Held {
         // Before a newcomer is judged, everybody has to answer.
         let is_owed = || self.swaps.steps() && self.collector.owing(&stack.roster).is_some();
-        if self.is_paused {
+        if self.run_time.is_paused {
             Held::ByClient
         } else if self.lockstep() && self.restarter.is_busy() {
             // A successor has to be started first, as often as its budget allows.
@@ -81,7 +81,11 @@ impl Session<'_> {
         if !self.lockstep() {
             return Vec::new();
         }
-        let by_hand = self.interferences.iter().map(|what| (*what).to_owned());
+        let by_hand = self
+            .clients
+            .interferences
+            .iter()
+            .map(|what| (*what).to_owned());
         let unasked = self.restarter.unasked().iter().cloned();
         (unasked.chain(self.swaps.decided_by_clock()))
             .chain(by_hand)

@@ -68,7 +68,7 @@ impl Session<'_> {
         zones: Vec<ReadZone>,
         from_tick: u64,
     ) -> Result<(), String> {
-        if self.trial_runner.is_some() && self.is_ready {
+        if self.trial_runner.is_some() && self.phase.is_ready() {
             return Err("the run measures latencies; a zone would change them".to_owned());
         }
         let revision = self.zones.message.revision + 1;

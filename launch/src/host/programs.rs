@@ -47,17 +47,17 @@ impl Programs {
     pub(super) fn files(&self, role: Role, wanted: &Wanted) -> Result<Files, String> {
         let none = || format!("{role} is no seat of this host");
         let named = self.named.get(&role).ok_or_else(none)?;
-        let (office, config) = (
+        let (incumbent, config) = (
             named.first().ok_or_else(none)?,
             self.configs.get(&role).ok_or_else(none)?,
         );
         let program = &wanted.program;
         if program.binary.is_empty() && program.keys.is_empty() {
-            return Ok((office.clone(), config.clone()));
+            return Ok((incumbent.clone(), config.clone()));
         }
         let is_it = |path: &&PathBuf| path.file_name() == Some(OsStr::new(&program.binary));
         let binary = if program.binary.is_empty() {
-            office
+            incumbent
         } else {
             named
                 .iter()
@@ -76,7 +76,7 @@ impl Programs {
         if let Some(key) = given.into_iter().find(|key| keys.contains_key(**key)) {
             return Err(format!("{key} is not set from another host"));
         }
-        let table = merged(table(&text)?, role, binary == office, keys);
+        let table = merged(table(&text)?, role, binary == incumbent, keys);
         let file = self.file(role, wanted.seat);
         std::fs::write(&file, table.to_string())
             .map_err(|error| format!("writing {}: {error}", file.display()))?;

@@ -297,7 +297,7 @@ impl Playing<'_> {
         let since = Instant::now();
         let mut patience = None;
         loop {
-            self.hear(stack);
+            self.ingest(stack);
             if has(self) {
                 return Ok(());
             }
@@ -317,7 +317,7 @@ impl Playing<'_> {
     }
 
     /// Takes in the records of answers.
-    fn hear(&mut self, stack: &mut Stack) {
+    fn ingest(&mut self, stack: &mut Stack) {
         while let Some(span) = stack.taps.spans.take() {
             let role = Role::from_code(span.role).filter(|role| self.live.contains(role));
             if let Some(role) = role.filter(|_| span.kind() == Some(SpanKind::Answer)) {

@@ -159,14 +159,14 @@ pub(super) fn swaps(swaps: &[SwapResult], events: &[Event]) -> String {
         let comparison = &swap.comparison;
         let times = [&comparison.office, &comparison.newcomer];
         let times = times.map(|times| format!("{} / {}", time(times.p50_us), time(times.p99_us)));
-        let [office, newcomer] = times;
+        let [incumbent, newcomer] = times;
         vec![
             Cell::text(words(&swap.role)),
             Cell::text(swap.binary.clone()),
             Cell::text(words(&swap.state)),
             Cell::count(comparison.ticks),
             Cell::number(comparison.agree, 3),
-            Cell::Number(office),
+            Cell::Number(incumbent),
             Cell::Number(newcomer),
             Cell::count(swap.command_gap_ticks),
             Cell::text(swap.why.clone().unwrap_or_default()),

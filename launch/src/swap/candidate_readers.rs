@@ -81,16 +81,16 @@ impl CandidateReaders {
                 return Err(StartError::Usage(format!("{role} is not swapped")));
             }
         };
-        let office = stack.epoch(role);
+        let incumbent = stack.epoch(role);
         Ok(Self {
-            rosters: [roster_of(role, office), roster_of(role, newcomer)],
+            rosters: [roster_of(role, incumbent), roster_of(role, newcomer)],
             topics,
             blocked_paths: 0,
         })
     }
 
     /// The incumbent has this epoch now: it may have been restarted.
-    pub(super) fn office_is(&mut self, epoch: u32) {
+    pub(super) fn incumbent_is(&mut self, epoch: u32) {
         if let Some(seat) = self.rosters[0].seats.first_mut() {
             seat.epoch = epoch;
         }
@@ -126,17 +126,17 @@ impl CandidateReaders {
                 }
             }
             Topics::Requests(streams) => {
-                hear(streams, rosters, from_tick, scores, |view| {
+                ingest(streams, rosters, from_tick, scores, |view| {
                     Answer::of_request(view.meta)
                 });
             }
             Topics::Commands(streams) => {
-                hear(streams, rosters, from_tick, scores, |view| {
+                ingest(streams, rosters, from_tick, scores, |view| {
                     Answer::of_command(view.meta)
                 });
             }
             Topics::Maps(candidate_readers) => {
-                return hear_maps(candidate_readers, rosters, from_tick, scores);
+                return ingest_maps(candidate_readers, rosters, from_tick, scores);
             }
         }
         false
@@ -165,7 +165,7 @@ fn rejected<T: Topic>(stream: &Stream<T>, epoch: u32) -> u64 {
     stream.refused_of(epoch) + stream.refused_of_nobody()
 }
 
-fn hear<T: Topic>(
+fn ingest<T: Topic>(
     streams: &mut [Stream<T>; 2],
     rosters: &[Roster; 2],
     from_tick: u64,
@@ -181,7 +181,7 @@ fn hear<T: Topic>(
     }
 }
 
-fn hear_maps(
+fn ingest_maps(
     candidate_readers: &mut [MapReaders; 2],
     rosters: &[Roster; 2],
     from_tick: u64,
@@ -222,8 +222,8 @@ fn hear_maps(
             };
             own.replica.take_changed();
             if is_whole && tick >= from_tick.max(1) && own.scan == scan_of_other {
-                let [office, newcomer] = &*candidate_readers;
-                if let (Some(one), Some(other)) = (whole(office), whole(newcomer)) {
+                let [incumbent, newcomer] = &*candidate_readers;
+                if let (Some(one), Some(other)) = (whole(incumbent), whole(newcomer)) {
                     scores.maps(&one, &other);
                 }
             }

@@ -48,7 +48,7 @@ impl Swap {
         let is_due = self.result.cut_over_tick.is_some_and(|tick| owed >= tick);
         is_due
             && scene.stack.beside.is_some()
-            && scene.collector.aside.answered(newcomer.office) < owed
+            && scene.collector.aside.answered(newcomer.incumbent) < owed
     }
 
     /// The newcomer has passed at this look: the next tick after which it is judged.
@@ -128,7 +128,7 @@ impl Swap {
         if !matches!(self.phase, Phase::Shadow(_) | Phase::Keep(_)) {
             return None;
         }
-        let before = scene.collector.aside.answered(newcomer.office);
+        let before = scene.collector.aside.answered(newcomer.incumbent);
         let own = newcomer.answered(scene);
         if before <= own {
             newcomer.owed = None;
@@ -164,7 +164,7 @@ impl Swap {
         };
         let own = newcomer.answered(scene);
         // As of the newcomer, what came before does not count.
-        let before = scene.collector.aside.answered(newcomer.office);
+        let before = scene.collector.aside.answered(newcomer.incumbent);
         let before = before.max(newcomer.from_tick.saturating_sub(1));
         if before >= own {
             newcomer.predecessor_owes = None;

@@ -236,7 +236,7 @@ impl Swap {
             self.result.command_gap_ticks = scene.collector.aside.command_gap_ticks();
         }
         match &self.phase {
-            Phase::Asking(_) => self.hear_answer(scene),
+            Phase::Asking(_) => self.ingest_answer(scene),
             Phase::Starting => self.wait_until_ready(scene),
             Phase::Shadow(until) => {
                 let until = *until;

@@ -21,7 +21,7 @@ pub(super) struct Newcomer {
     /// Its epoch.
     pub epoch: u32,
     /// Epoch of the process that was in the seat before it.
-    pub office: u32,
+    pub incumbent: u32,
     /// First tick that counts.
     pub from_tick: u64,
     candidate_readers: CandidateReaders,
@@ -49,7 +49,7 @@ impl Newcomer {
         let pid = stack.beside.as_ref().map_or(0, Child::pid);
         Ok(Self {
             epoch,
-            office: stack.epoch(role),
+            incumbent: stack.epoch(role),
             from_tick: u64::MAX,
             candidate_readers: CandidateReaders::open(stack, role, epoch)?,
             scores: Scores::default(),
@@ -79,12 +79,12 @@ impl Newcomer {
             let state = beat.meta.state();
             self.is_ready = matches!(state, Some(HealthState::Ready | HealthState::Degraded));
         }
-        let office = scene.stack.epoch(role);
-        if office != self.office && office != self.epoch {
+        let incumbent = scene.stack.epoch(role);
+        if incumbent != self.incumbent && incumbent != self.epoch {
             // It was restarted.
-            self.office = office;
-            self.candidate_readers.office_is(office);
-            scene.collector.aside.watch(role, &[office, self.epoch]);
+            self.incumbent = incumbent;
+            self.candidate_readers.incumbent_is(incumbent);
+            scene.collector.aside.watch(role, &[incumbent, self.epoch]);
         }
     }
 
@@ -99,7 +99,7 @@ impl Newcomer {
         }
         self.scores.report(comparison);
         comparison.rejected = self.candidate_readers.rejected();
-        comparison.office = scene.collector.aside.times(self.office);
+        comparison.office = scene.collector.aside.times(self.incumbent);
         comparison.newcomer = scene.collector.aside.times(self.epoch);
     }
 

@@ -80,22 +80,22 @@ impl Scores {
             return;
         };
         place.get_or_insert(answer);
-        if let [Some(office), Some(newcomer)] = *entry {
+        if let [Some(incumbent), Some(newcomer)] = *entry {
             self.waiting.remove(&tick);
             self.compared_tick = tick;
-            self.compare(office, newcomer);
+            self.compare(incumbent, newcomer);
         } else if self.waiting.len() > TICKS_MAX {
             self.waiting.pop_first();
         }
     }
 
     /// Compares two answers; those of which neither does anything tell nothing.
-    fn compare(&mut self, office: Answer, newcomer: Answer) {
-        if office.is_idle() && newcomer.is_idle() {
+    fn compare(&mut self, incumbent: Answer, newcomer: Answer) {
+        if incumbent.is_idle() && newcomer.is_idle() {
             return;
         }
-        let agrees = match (office, newcomer) {
-            (Answer::Path(office), Answer::Path(newcomer)) => match (office, newcomer) {
+        let agrees = match (incumbent, newcomer) {
+            (Answer::Path(incumbent), Answer::Path(newcomer)) => match (incumbent, newcomer) {
                 (Some(office_m), Some(newcomer_m)) => {
                     let ratio = newcomer_m.max(0.01) / office_m.max(0.01);
                     self.sum("length_ratio", ratio);
@@ -127,22 +127,22 @@ impl Scores {
         self.add(f64::from(u8::from(agrees)));
     }
 
-    fn compare_twists(&mut self, office: [f64; 2], newcomer: [f64; 2]) -> bool {
-        let dv = (newcomer[0] - office[0]).abs();
-        let dw = (newcomer[1] - office[1]).abs();
+    fn compare_twists(&mut self, incumbent: [f64; 2], newcomer: [f64; 2]) -> bool {
+        let dv = (newcomer[0] - incumbent[0]).abs();
+        let dw = (newcomer[1] - incumbent[1]).abs();
         self.sum("v_difference_mps", dv);
         self.sum("w_difference_radps", dw);
         dv <= V_MPS_MAX && dw <= W_RADPS_MAX
     }
 
     /// Compares two maps of the same scan; nothing when their grids differ.
-    pub(crate) fn maps(&mut self, office: &MapView<'_>, newcomer: &MapView<'_>) {
-        if office.geometry != newcomer.geometry {
+    pub(crate) fn maps(&mut self, incumbent: &MapView<'_>, newcomer: &MapView<'_>) {
+        if incumbent.geometry != newcomer.geometry {
             self.add(0.0);
             return;
         }
         let (mut counted, mut differ) = (0.0, 0.0);
-        for (one, other) in office.cells.iter().zip(newcomer.cells) {
+        for (one, other) in incumbent.cells.iter().zip(newcomer.cells) {
             let lethal = [one.cost == COST_LETHAL, other.cost == COST_LETHAL];
             let unknown = [one.cost == COST_UNKNOWN, other.cost == COST_UNKNOWN];
             let differs = lethal[0] != lethal[1] || unknown[0] != unknown[1];
@@ -221,14 +221,14 @@ mod tests {
     #[test]
     fn paths_agree_by_length_and_guards_by_their_stops() {
         let mut scores = Scores::default();
-        for (tick, office, newcomer) in [
+        for (tick, incumbent, newcomer) in [
             (1, Some(10.0), Some(10.9)),
             (2, Some(10.0), Some(11.2)),
             (3, None, None),
             (4, Some(10.0), None),
             (5, Some(10.0), Some(9.0)),
         ] {
-            scores.answer(0, tick, Answer::Path(office));
+            scores.answer(0, tick, Answer::Path(incumbent));
             scores.answer(1, tick, Answer::Path(newcomer));
         }
         let found = report(&scores);
@@ -271,12 +271,12 @@ mod tests {
             ..MapCell::default()
         };
         // Ten cells of a wall, which are static, and ten of a load.
-        let mut office = vec![cell(0); 1000];
-        office[..20].fill(cell(COST_LETHAL));
-        let mut newcomer = office.clone();
+        let mut incumbent = vec![cell(0); 1000];
+        incumbent[..20].fill(cell(COST_LETHAL));
+        let mut newcomer = incumbent.clone();
         newcomer[10..20].fill(cell(0));
         let agree = |newcomer: &[MapCell]| {
-            let (geometry, cells) = (&geometry, &office[..]);
+            let (geometry, cells) = (&geometry, &incumbent[..]);
             let mut scores = Scores::default();
             let newcomer = MapView {
                 geometry,
@@ -286,7 +286,7 @@ mod tests {
             report(&scores).agree.expect("a comparison")
         };
         assert!((agree(&newcomer) - 0.5).abs() < 1e-12);
-        assert!((agree(&office) - 1.0).abs() < 1e-12);
+        assert!((agree(&incumbent) - 1.0).abs() < 1e-12);
         newcomer.fill(cell(COST_UNKNOWN));
         assert!(agree(&newcomer) < 1e-12, "an empty map");
     }

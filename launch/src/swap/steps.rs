@@ -29,7 +29,7 @@ const STOP_LIMIT: Duration = Duration::from_secs(2);
 
 impl Swap {
     /// The answer of the binary about its configuration; then the newcomer is started.
-    pub(super) fn hear_answer(&mut self, scene: &mut Scene<'_>) {
+    pub(super) fn ingest_answer(&mut self, scene: &mut Scene<'_>) {
         let Phase::Asking(asking) = &self.phase else {
             return;
         };
@@ -69,10 +69,10 @@ impl Swap {
         self.result.pid = scene.stack.beside.as_ref().map_or(0, Child::pid);
         let newcomer = Newcomer::open(scene.stack, role, epoch);
         let newcomer = newcomer.map_err(|error| format!("it cannot be heard: {error}"))?;
-        let (pid, office) = (self.result.pid, newcomer.office);
-        tracing::info!(%role, pid, epoch, office, "a newcomer was started");
+        let (pid, incumbent) = (self.result.pid, newcomer.incumbent);
+        tracing::info!(%role, pid, epoch, incumbent, "a newcomer was started");
         scene.collector.aside.begin(role, epoch, 0);
-        scene.collector.aside.watch(role, &[office, epoch]);
+        scene.collector.aside.watch(role, &[incumbent, epoch]);
         self.newcomer = Some(newcomer);
         Ok(())
     }
@@ -158,10 +158,10 @@ impl Swap {
         let Some(newcomer) = &self.newcomer else {
             return;
         };
-        let (epoch, office) = (newcomer.epoch, newcomer.office);
+        let (epoch, incumbent) = (newcomer.epoch, newcomer.incumbent);
         scene.stack.cut_over(self.role, at);
         scene.collector.aside.end(self.role, epoch, at);
-        scene.collector.aside.begin(self.role, office, at);
+        scene.collector.aside.begin(self.role, incumbent, at);
         scene.collector.aside.restart_times();
         tracing::info!(role = %self.role, tick = at, epoch, "the newcomer is obeyed");
         self.result.cut_over_tick = Some(at);
@@ -269,9 +269,9 @@ impl Swap {
         let Some(newcomer) = &self.newcomer else {
             return;
         };
-        let (epoch, office) = (newcomer.epoch, newcomer.office);
+        let (epoch, incumbent) = (newcomer.epoch, newcomer.incumbent);
         scene.stack.roll_back(self.role, tick, off_tick);
-        scene.collector.aside.end(self.role, office, tick);
+        scene.collector.aside.end(self.role, incumbent, tick);
         scene.collector.aside.begin(self.role, epoch, tick);
         self.result.roll_back_tick = Some(tick);
         self.outcome = ROLLED_BACK;

@@ -89,7 +89,7 @@ impl Model {
     }
 
     /// Looks into a message.
-    pub(crate) fn hear(&mut self, heard: &Heard) {
+    pub(crate) fn ingest(&mut self, heard: &Heard) {
         match heard {
             Heard::Beat(header, beat) => self.beat(header, beat),
             Heard::Path(header, path) => self.path(header, path),

@@ -48,7 +48,7 @@ impl<T: Topic> Reader for TopicReader<T> {
             };
             let missed = self.stream.missed() - before;
             model.count(index, bytes, sent_ns, missed);
-            model.hear(&heard);
+            model.ingest(&heard);
         }
     }
 

@@ -98,7 +98,7 @@ pub struct Other {
 
 impl Other {
     /// Takes in a beat.
-    pub fn hear(&mut self, own: &Own, origin: Origin, beat: Beat, now_ns: u64) -> Heard {
+    pub fn ingest(&mut self, own: &Own, origin: Origin, beat: Beat, now_ns: u64) -> Heard {
         let known = self.instance();
         let (is_known, is_first) = (beat.instance == known, known.is_empty());
         if let Some(why) = own.refusal(&beat) {
@@ -314,18 +314,18 @@ mod tests {
         let own = own(true);
         let mut other = Other::default();
         assert_eq!(
-            other.hear(&own, from(5, 1), hearing(&own, "a"), S),
+            other.ingest(&own, from(5, 1), hearing(&own, "a"), S),
             Heard::Taken
         );
         assert!(!other.is_cut(S) && other.is_there(S));
-        let refused = other.hear(&own, from(1, 1), beat(&own, "b\n"), 30 * S);
+        let refused = other.ingest(&own, from(1, 1), beat(&own, "b\n"), 30 * S);
         assert!(
             matches!(&refused, Heard::Refused(why) if why.contains("(b\\n)")),
             "{refused:?}"
         );
         assert_eq!(other.instance(), "a");
         assert_eq!(
-            other.hear(&own, from(1, 2), hearing(&own, "b"), 31 * S),
+            other.ingest(&own, from(1, 2), hearing(&own, "b"), 31 * S),
             Heard::Restarted
         );
         assert_eq!(other.instance(), "b");
@@ -335,12 +335,12 @@ mod tests {
             ..hearing(&own, "b")
         };
         assert_eq!(
-            other.hear(&own, from(1, 3), leaves.clone(), 32 * S),
+            other.ingest(&own, from(1, 3), leaves.clone(), 32 * S),
             Heard::Taken
         );
         assert!(other.is_cut(32 * S) && !other.is_there(32 * S));
         assert_eq!(
-            other.hear(&own, from(2, 1), beat(&own, "c"), 32 * S),
+            other.ingest(&own, from(2, 1), beat(&own, "c"), 32 * S),
             Heard::Restarted
         );
         // Whoever hears nobody, or another computer, is waited for no longer.
@@ -348,16 +348,16 @@ mod tests {
             hears: "x".to_owned(),
             ..beat(&own, "c")
         };
-        let refused = other.hear(&own, from(2, 2), elsewhere, 32 * S);
+        let refused = other.ingest(&own, from(2, 2), elsewhere, 32 * S);
         assert!(matches!(refused, Heard::Refused(_)) && other.instance().is_empty());
         assert_eq!(
-            other.hear(&own, from(3, 1), beat(&own, "d"), 32 * S),
+            other.ingest(&own, from(3, 1), beat(&own, "d"), 32 * S),
             Heard::Taken
         );
-        let refused = other.hear(&own, from(4, 1), beat(&own, "e"), 32 * S);
+        let refused = other.ingest(&own, from(4, 1), beat(&own, "e"), 32 * S);
         assert!(matches!(refused, Heard::Refused(_)));
         assert_eq!(
-            other.hear(&own, from(4, 2), beat(&own, "e"), 33 * S),
+            other.ingest(&own, from(4, 2), beat(&own, "e"), 33 * S),
             Heard::Taken
         );
     }
@@ -365,26 +365,30 @@ mod tests {
     #[test]
     fn beside_launch_another_run_or_another_computer_ends_this_one() {
         let own = own(false);
-        let hear = |other: &mut Other, beat: Beat, at: u64| other.hear(&own, from(5, 1), beat, at);
+        let hear =
+            |other: &mut Other, beat: Beat, at: u64| other.ingest(&own, from(5, 1), beat, at);
         let mut other = Other::default();
-        hear(&mut other, beat(&own, "run"), S);
+        ingest(&mut other, beat(&own, "run"), S);
         assert!(other.partner(&own).is_none(), "it does not hear this host");
         let hears = |instance: &str| Beat {
             hears: instance.to_owned(),
             ..beat(&own, "run")
         };
-        hear(&mut other, hears("base"), S);
+        ingest(&mut other, hears("base"), S);
         assert!(other.partner(&own).is_some());
-        hear(&mut other, beat(&own, "next"), 2 * S);
+        ingest(&mut other, beat(&own, "next"), 2 * S);
         assert!(!other.is_over());
-        hear(&mut other, beat(&own, "next"), 31 * S);
+        ingest(&mut other, beat(&own, "next"), 31 * S);
         assert!(other.is_over() && other.partner(&own).is_none());
         let mut other = Other::default();
         // At the beginning the robot still hears the base before.
-        assert!(matches!(hear(&mut other, hears("x"), S), Heard::Refused(_)));
+        assert!(matches!(
+            ingest(&mut other, hears("x"), S),
+            Heard::Refused(_)
+        ));
         assert!(!other.is_over() && other.beat().is_none());
-        hear(&mut other, hears("base"), S);
-        hear(&mut other, hears("x"), S);
+        ingest(&mut other, hears("base"), S);
+        ingest(&mut other, hears("x"), S);
         assert!(other.is_over());
     }
 
@@ -393,14 +397,14 @@ mod tests {
         let own = own(true);
         let mut other = Other::default();
         assert!(!other.counts(from(5, 1)));
-        other.hear(&own, from(5, 9), beat(&own, "a"), S);
+        other.ingest(&own, from(5, 9), beat(&own, "a"), S);
         assert!(other.take_new() && !other.take_new());
         assert!(other.counts(from(5, 10)) && other.counts(from(5, 13)));
         assert_eq!(other.lost(), 2);
         assert!(!other.counts(from(6, 1)));
-        other.hear(&own, from(6, 4), beat(&own, "a"), S);
+        other.ingest(&own, from(6, 4), beat(&own, "a"), S);
         assert_eq!(
-            other.hear(&own, from(5, 14), beat(&own, "a"), S),
+            other.ingest(&own, from(5, 14), beat(&own, "a"), S),
             Heard::Late
         );
         assert!(other.counts(from(6, 5)) && other.take_new());
@@ -410,7 +414,7 @@ mod tests {
             lost: 1,
             ..beat(&own, "a")
         };
-        other.hear(&own, from(6, 6), lossy, S);
+        other.ingest(&own, from(6, 6), lossy, S);
         assert!(other.take_new());
         other.counts(from(6, u64::MAX));
         other.counts(from(6, 1));
@@ -424,7 +428,7 @@ mod tests {
         let said = |change: fn(&mut Beat)| {
             let mut beat = beat(&own, "a");
             change(&mut beat);
-            match Other::default().hear(&own, from(1, 1), beat, S) {
+            match Other::default().ingest(&own, from(1, 1), beat, S) {
                 Heard::Refused(why) => why,
                 heard => format!("{heard:?}"),
             }

@@ -199,7 +199,7 @@ impl Link {
             }
         };
         if let Frame::Beat(beat) = frame {
-            self.hear(origin, *beat);
+            self.ingest(origin, *beat);
             return Ok(());
         }
         if !self.other.counts(origin) {
@@ -273,10 +273,10 @@ impl Link {
         Ok(())
     }
 
-    fn hear(&mut self, origin: Origin, beat: Beat) {
+    fn ingest(&mut self, origin: Origin, beat: Beat) {
         let was_partner = self.other.was_partner();
         let held = beat.held.clone();
-        match self.other.hear(&self.own, origin, beat, now_ns()) {
+        match self.other.ingest(&self.own, origin, beat, now_ns()) {
             Heard::Taken => {
                 if !was_partner && self.other.was_partner() {
                     let (other, instance) = (&self.own.other, self.other.instance());

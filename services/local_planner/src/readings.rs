@@ -38,7 +38,7 @@ pub(crate) struct Readings {
     commands: Stream<RobotCommand>,
     in_flight: InFlight,
     /// What the local planner that is obeyed says of the task, as long as that is another one.
-    office: Stream<TaskState>,
+    incumbent: Stream<TaskState>,
     /// Its last two statuses, the newer one last.
     statuses: [Option<HeardStatus>; 2],
     /// Grows when cells of the map change.
@@ -83,7 +83,7 @@ impl Readings {
             zones: ZoneInput::open(peer)?,
             commands: peer.stream()?,
             in_flight: InFlight::default(),
-            office: peer.stream()?,
+            incumbent: peer.stream()?,
             statuses: [None, None],
             map_cells: 0,
             points: ScanPoints::default(),
@@ -113,7 +113,7 @@ impl Readings {
             let command = Twist::new(view.meta.v_mps, view.meta.w_radps);
             in_flight.send(view.header.run_ns, command);
         });
-        self.hear_office(shell);
+        self.read_incumbent(shell);
         self.map.poll(shell);
         self.map_cells += u64::from(!self.map.changed().is_empty());
         if self.obstacles.poll(roster) {
@@ -143,9 +143,9 @@ impl Readings {
         }
     }
 
-    fn hear_office(&mut self, shell: &Shell) {
+    fn read_incumbent(&mut self, shell: &Shell) {
         let (statuses, own) = (&mut self.statuses, shell.peer().epoch());
-        self.office.drain(shell.roster(), |view| {
+        self.incumbent.drain(shell.roster(), |view| {
             if view.header.id().epoch() != own {
                 statuses.rotate_left(1);
                 statuses[1] = Some(HeardStatus {

@@ -380,7 +380,7 @@
     to.fillRect(Math.min(width - 2, x(at) - 1), 0, 2, height);
     by("live").setAttribute("aria-pressed", String(is_live));
     by("live").textContent = is_live ? "Live" : `${(at - end).toFixed(1)} s`;
-    player.told();
+    player.changed();
   }
 
   // What is live moves by itself; a moment of the past stands, or plays behind it.
@@ -395,7 +395,7 @@
       view.seek(is_live ? end : time_s);
       drawTimeline();
     },
-    told: () => {
+    changed: () => {
       by("play").textContent = is_live || player.playing ? "Hold" : "Play";
       by("rate").value = player.speed;
     },

@@ -5,10 +5,10 @@ const ZeronavPlayer = (() => {
   const pressed = (button, is_on) => button.setAttribute("aria-pressed", String(is_on));
 
   class Player {
-    /** Moves between the two moments of `range()` [s], with stops at those of `stops()`. `shown(time_s)` shows one, and `told()`
+    /** Moves between the two moments of `range()` [s], with stops at those of `stops()`. `shown(time_s)` shows one, and `changed()`
         is called when `playing` or `speed` has changed. */
-    constructor({ range, stops, shown, told, speeds = SPEEDS }) {
-      Object.assign(this, { range, stops, shown, told, speeds, speed: 1, playing: false, now_s: range()[0], before_ms: 0, next: 0 });
+    constructor({ range, stops, shown, changed, speeds = SPEEDS }) {
+      Object.assign(this, { range, stops, shown, changed, speeds, speed: 1, playing: false, now_s: range()[0], before_ms: 0, next: 0 });
     }
 
     seek(time_s) {
@@ -27,7 +27,7 @@ const ZeronavPlayer = (() => {
       if (is_on && this.now_s >= to_s) this.seek(from_s);
       Object.assign(this, { playing: is_on, before_ms: 0 });
       cancelAnimationFrame(this.next);
-      this.told();
+      this.changed();
       if (is_on) this.next = requestAnimationFrame((at_ms) => this.step(at_ms));
     }
 
@@ -48,7 +48,7 @@ const ZeronavPlayer = (() => {
 
     setSpeed(speed) {
       if (this.speeds.includes(speed)) this.speed = speed;
-      this.told();
+      this.changed();
     }
 
     faster(by) {

@@ -1,4 +1,4 @@
-//! What happens in a run, told from what its topics say. Pure.
+//! What happens in a run, from what its topics say. Pure.
 
 use crate::scene::{Event, Rounded};
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ use zeronav_msgs::time::seconds;
 /// An intervention that begins again within this time is the same one. [ns] of run time
 const SAME_INTERVENTION_NS: u64 = 1_000_000_000;
 
-/// Most events that wait to be told.
+/// Most events that wait to be sent.
 const WAITING_MAX: usize = 256;
 
 /// Tells what happens.
@@ -240,19 +240,19 @@ mod tests {
         path.geometry = Id::new(1, 9).0;
         path.status = PathStatus::Unreachable.code();
         assert!(events.path(&path));
-        let told = texts(&mut events);
-        assert_eq!(told.len(), 2);
-        assert_eq!(told[0].1, "obstacle: 2.5 m by jps, 0 expanded");
-        assert_eq!(told[1].1, "obstacle: none, unreachable, by jps");
+        let events_sent = texts(&mut events);
+        assert_eq!(events_sent.len(), 2);
+        assert_eq!(events_sent[0].1, "obstacle: 2.5 m by jps, 0 expanded");
+        assert_eq!(events_sent[1].1, "obstacle: none, unreachable, by jps");
     }
 
     #[test]
     fn a_new_path_at_the_wheels_has_its_hops() {
         let mut events = Events::default();
         events.replanned(vec![("robot", 400.0), ("to_mapping", 100.0)]);
-        let told = events.take();
-        assert_eq!(told[0].text, "new path at the wheels after 0.50 ms");
-        assert_eq!(told[0].hops_us[1], ("to_mapping", 100.0));
+        let events_sent = events.take();
+        assert_eq!(events_sent[0].text, "new path at the wheels after 0.50 ms");
+        assert_eq!(events_sent[0].hops_us[1], ("to_mapping", 100.0));
     }
 
     #[test]
@@ -265,7 +265,7 @@ mod tests {
         }
         events.command(slowed, 3_000_000_000);
         events.command(Some(Intervention::StoppedShort), 3_000_000_001);
-        let told = texts(&mut events);
+        let events_sent = texts(&mut events);
         let words: Vec<&str> = told.iter().map(|(_, text)| text.as_str()).collect();
         assert_eq!(words, ["slowed", "slowed", "stopped short"]);
     }
@@ -290,7 +290,7 @@ mod tests {
         events.task(Id::new(1, 6), &goals);
         events.task(Id::new(1, 7), &[]);
         events.status(&status(Id::new(1, 7)), &[ended(TaskState::Cancelled)]);
-        let told = texts(&mut events);
+        let events_sent = texts(&mut events);
         let words: Vec<&str> = told.iter().map(|(_, text)| text.as_str()).collect();
         assert_eq!(
             words,
@@ -337,12 +337,12 @@ mod tests {
             events.seats(&[seat], false);
         }
         events.seats(&[], true);
-        let told = texts(&mut events);
+        let events_sent = texts(&mut events);
         let kinds: Vec<&str> = told.iter().map(|(kind, _)| *kind).collect();
         assert_eq!(
             kinds,
             ["restart", "swap", "swap", "fault", "fault", "pause"]
         );
-        assert_eq!(told[3].1, "mapping slowed by 2 ms");
+        assert_eq!(events_sent[3].1, "mapping slowed by 2 ms");
     }
 }

@@ -168,8 +168,8 @@ impl Tap {
     pub(crate) fn run(&mut self, peer: &Peer, feed: &Feed, mut is_over: impl FnMut() -> bool) {
         while !is_over() {
             self.listen();
-            self.see_to_map(peer);
-            self.see_to_rollouts(peer, feed.watchers() > 0);
+            self.update_map(peer);
+            self.update_rollouts(peer, feed.watchers() > 0);
             self.publish(feed);
             std::thread::sleep(if self.ports.roster.roster().lockstep() {
                 LOCKSTEP_PAUSE
@@ -241,7 +241,7 @@ impl Tap {
     }
 
     /// Notes which tiles changed, and asks for the map when there is no other way to it.
-    fn see_to_map(&mut self, peer: &Peer) {
+    fn update_map(&mut self, peer: &Peer) {
         let map = &self.ports.map;
         for rect in map.changed() {
             self.dirty.extend(tiles_in(*rect));
@@ -259,7 +259,7 @@ impl Tap {
     }
 
     /// Reads rollouts while somebody looks.
-    fn see_to_rollouts(&mut self, peer: &Peer, is_watched: bool) {
+    fn update_rollouts(&mut self, peer: &Peer, is_watched: bool) {
         if !is_watched {
             self.rollouts = None;
         } else if self.rollouts.is_none() && Instant::now() >= self.may_open {

@@ -76,7 +76,7 @@ impl Guest {
     }
 
     /// Listens until so many messages have come since it joined.
-    fn hear(&mut self, heard: &mut Heard, least: usize) {
+    fn ingest(&mut self, heard: &mut Heard, least: usize) {
         let (began, before) = (Instant::now(), heard.told.len());
         while heard.told.len() < before + least {
             assert!(began.elapsed() < LIMIT, "{} messages", heard.told.len());
@@ -160,7 +160,7 @@ fn who_reads_rollouts_gets_them_and_the_run_is_the_same() {
     let root = run.domains().pop().expect("a domain");
     let mut heard = Heard::default();
     let mut guest = Guest::join(&root);
-    guest.hear(&mut heard, 200);
+    guest.ingest(&mut heard, 200);
     guest.leave();
     let (first, last) = (heard.told.iter().next(), heard.told.iter().next_back());
     let (first, last) = (first.expect("one").1.id, last.expect("one").1.id);
@@ -173,7 +173,7 @@ fn who_reads_rollouts_gets_them_and_the_run_is_the_same() {
     run.wait_until("time has passed", |run| passed_s(run) > left_s + 40.0);
     let mut again = Heard::default();
     let mut guest = Guest::join(&root);
-    guest.hear(&mut again, 50);
+    guest.ingest(&mut again, 50);
     guest.leave();
     let next = again.told.values().next().expect("one").id;
     let made = next.count() - last.count();

@@ -22,7 +22,7 @@
       drawPlayhead();
       say();
     },
-    told: () => {
+    changed: () => {
       $("play").textContent = player.playing ? "Pause" : "Play";
       $("speed").value = player.speed;
     },

@@ -55,13 +55,13 @@ fn events(model: &Model) -> Vec<String> {
 fn a_seat_shows_its_heartbeat_until_that_is_too_old() {
     let mut model = model();
     assert_eq!(mapping(&model, 0).state, "absent");
-    model.hear(&beat(1, S, HealthState::Ready, 0));
+    model.ingest(&beat(1, S, HealthState::Ready, 0));
     let line = mapping(&model, S + SILENT_AFTER_NS);
     assert_eq!((line.state, line.epoch), ("ready", 1));
     assert_eq!((line.rejected, line.superseded), (3, 4));
     assert_eq!(line.restarts, None, "the stack has said nothing yet");
     assert_eq!(mapping(&model, S + SILENT_AFTER_NS + 1).state, "silent");
-    model.hear(&beat(
+    model.ingest(&beat(
         1,
         2 * S,
         HealthState::Degraded,
@@ -75,11 +75,11 @@ fn a_seat_shows_its_heartbeat_until_that_is_too_old() {
 #[test]
 fn a_successor_is_an_event_and_the_restarts_come_from_the_stack() {
     let mut model = model();
-    model.hear(&beat(1, S, HealthState::Ready, 0));
+    model.ingest(&beat(1, S, HealthState::Ready, 0));
     model.read(Whose::Seat(Role::Mapping), Some(reading(71, S, 0)));
     model.read(Whose::Seat(Role::Mapping), Some(reading(71, 2 * S, S / 2)));
     assert_eq!(mapping(&model, S).usage.cpu_percent, Some(50.0));
-    model.hear(&beat(2, 2 * S, HealthState::Ready, 0));
+    model.ingest(&beat(2, 2 * S, HealthState::Ready, 0));
     model.read(Whose::Seat(Role::Mapping), Some(reading(72, 3 * S, 5)));
     let report = RunReport {
         services: vec![ServiceReport {
@@ -140,8 +140,8 @@ fn a_repeated_path_is_no_event() {
     let mut path = Path::new("astar", PathStatus::Found, PathCause::Obstacle, 1, &points);
     let first = header(Role::GlobalPlanner, 1, 5, S);
     path.geometry = first.id;
-    model.hear(&Heard::Path(first, path));
-    model.hear(&Heard::Path(header(Role::GlobalPlanner, 1, 6, 2 * S), path));
+    model.ingest(&Heard::Path(first, path));
+    model.ingest(&Heard::Path(header(Role::GlobalPlanner, 1, 6, 2 * S), path));
     assert_eq!(
         events(&model),
         ["path found, 3.0 m by astar, cause obstacle"]
@@ -175,17 +175,17 @@ fn faults_tasks_and_interventions_are_told_as_they_change() {
     };
     let at = |count| header(Role::LocalPlanner, 1, count, count * S);
     let active = task(TaskState::Active, EndReason::None);
-    model.hear(&Heard::Task(at(1), active));
-    model.hear(&Heard::Task(at(2), active));
+    model.ingest(&Heard::Task(at(1), active));
+    model.ingest(&Heard::Task(at(2), active));
     assert_eq!(model.view(0).run.remaining_m, Some(4.0));
     let command = |why: Intervention| VelocityCommand {
         intervention: why.code(),
         ..VelocityCommand::default()
     };
     for (count, why) in [(3, Intervention::None), (4, Intervention::Slowed)] {
-        model.hear(&Heard::Command(at(count), command(why)));
+        model.ingest(&Heard::Command(at(count), command(why)));
     }
-    model.hear(&Heard::Task(
+    model.ingest(&Heard::Task(
         at(5),
         task(TaskState::Failed, EndReason::Stuck),
     ));

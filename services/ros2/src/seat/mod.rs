@@ -103,7 +103,7 @@ impl Service for RosRobot {
         self.timeline.pause(control.paused == 1, now);
         // Commands first: they are the shortest way, and nothing that comes in holds them up.
         self.commands.poll(shell);
-        self.hear(shell)?;
+        self.ingest(shell)?;
         let is_troubled = self.say_trouble(shell, now);
         let holds = self.timeline.is_paused() || is_troubled || shell.is_orphaned();
         self.commands.watch(holds, now_ns());
@@ -125,7 +125,7 @@ impl Service for RosRobot {
 
 impl RosRobot {
     /// Takes in what has come, and sends it on.
-    fn hear(&mut self, shell: &mut Shell) -> Result<(), StartError> {
+    fn ingest(&mut self, shell: &mut Shell) -> Result<(), StartError> {
         while let Some(arrived) = self
             .inbox
             .next()
