@@ -365,7 +365,7 @@ mod tests {
     #[test]
     fn beside_launch_another_run_or_another_computer_ends_this_one() {
         let own = own(false);
-        let hear =
+        let ingest =
             |other: &mut Other, beat: Beat, at: u64| other.ingest(&own, from(5, 1), beat, at);
         let mut other = Other::default();
         ingest(&mut other, beat(&own, "run"), S);

@@ -266,7 +266,7 @@ mod tests {
         events.command(slowed, 3_000_000_000);
         events.command(Some(Intervention::StoppedShort), 3_000_000_001);
         let events_sent = texts(&mut events);
-        let words: Vec<&str> = told.iter().map(|(_, text)| text.as_str()).collect();
+        let words: Vec<&str> = events_sent.iter().map(|(_, text)| text.as_str()).collect();
         assert_eq!(words, ["slowed", "slowed", "stopped short"]);
     }
 
@@ -291,7 +291,7 @@ mod tests {
         events.task(Id::new(1, 7), &[]);
         events.status(&status(Id::new(1, 7)), &[ended(TaskState::Cancelled)]);
         let events_sent = texts(&mut events);
-        let words: Vec<&str> = told.iter().map(|(_, text)| text.as_str()).collect();
+        let words: Vec<&str> = events_sent.iter().map(|(_, text)| text.as_str()).collect();
         assert_eq!(
             words,
             ["to 0.00, 0.00", "reached", "to 0.00, 0.00", "cancelled"]
@@ -338,7 +338,7 @@ mod tests {
         }
         events.seats(&[], true);
         let events_sent = texts(&mut events);
-        let kinds: Vec<&str> = told.iter().map(|(kind, _)| *kind).collect();
+        let kinds: Vec<&str> = events_sent.iter().map(|(kind, _)| *kind).collect();
         assert_eq!(
             kinds,
             ["restart", "swap", "swap", "fault", "fault", "pause"]
