@@ -30,6 +30,9 @@ const STOP_LIMIT: Duration = Duration::from_secs(2);
 /// How long it may take in any case.
 const WALL_LIMIT: Duration = Duration::from_secs(8);
 
+/// The same for the recorder, which first writes what it still holds: without its end the file is damaged.
+const RECORDER_LIMITS: (Duration, Duration) = (Duration::from_secs(20), Duration::from_secs(60));
+
 /// Between two looks at companions that are to stop.
 const PAUSE: Duration = Duration::from_millis(2);
 
@@ -336,12 +339,16 @@ impl Companion {
 
     /// Waits for the end of its process, which was asked to end at `asked`.
     fn stop(self, asked: Instant) -> CompanionResult {
+        let (own_limit, wall_limit) = match self.plan.invocation {
+            Invocation::Recording { .. } => RECORDER_LIMITS,
+            Invocation::Flags { .. } | Invocation::Page(_) => (STOP_LIMIT, WALL_LIMIT),
+        };
         let end = match self.state {
             State::Running { mut process, .. } => {
                 let mut patience = Patience::with(process.pid());
                 while !process.wait(PAUSE)
-                    && !patience.is_over(STOP_LIMIT)
-                    && asked.elapsed() < WALL_LIMIT
+                    && !patience.is_over(own_limit)
+                    && asked.elapsed() < wall_limit
                 {}
                 match process.ended() {
                     Some(status) if status.success() => STOPPED.to_owned(),
