@@ -50,6 +50,7 @@ mod process_limit;
 mod python;
 mod python_checks;
 mod readme;
+mod recipes;
 mod recording;
 mod report;
 mod restarts;

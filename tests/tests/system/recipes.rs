@@ -2,7 +2,7 @@
 //! command that they name suffice.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 use tempfile::TempDir;
 use zeronav_tests::{background, binaries, workspace};
@@ -30,7 +30,11 @@ const PLANNER: &[Edit] = &[
              }\n\
          }\n",
     ),
-    ("services/global_planner/src/lib.rs", Some("mod replan;"), "mod renamed;\n"),
+    (
+        "services/global_planner/src/lib.rs",
+        Some("mod replan;"),
+        "mod renamed;\n",
+    ),
     (
         "services/global_planner/src/table.rs",
         Some("    PlannerRow {"),
@@ -76,7 +80,11 @@ const CONTROLLER: &[Edit] = &[
              }\n\
          }\n",
     ),
-    ("services/local_planner/src/lib.rs", Some("mod dwa;"), "mod creep;\n"),
+    (
+        "services/local_planner/src/lib.rs",
+        Some("pub mod dwa;"),
+        "mod creep;\n",
+    ),
     (
         "services/local_planner/src/table.rs",
         Some("    ControllerRow {"),
@@ -119,7 +127,11 @@ const TOPIC: &[Edit] = &[
              }\n\
          }\n",
     ),
-    ("msgs/src/lib.rs", Some("pub mod certainty;"), "pub mod battery;\n"),
+    (
+        "msgs/src/lib.rs",
+        Some("pub mod certainty;"),
+        "pub mod battery;\n",
+    ),
     (
         "msgs/src/topics.rs",
         Some("    /// `health/<role>`"),
@@ -139,10 +151,15 @@ const LAYOUT: (&str, &str) = ("msgs/tests/layout.rs", "    (\"health/robot\"");
 
 /// The files that the recipe under this heading names.
 fn listed(contributing: &str, heading: &str) -> BTreeSet<String> {
-    let section = contributing.split("\n## ").find(|section| section.starts_with(heading));
+    let section = contributing
+        .split("\n## ")
+        .find(|section| section.starts_with(heading));
     let section = section.unwrap_or_else(|| panic!("no section {heading:?}"));
     let names = section.split('`').skip(1).step_by(2);
-    names.filter(|name| name.contains('/') && !name.contains(' ')).map(str::to_owned).collect()
+    names
+        .filter(|name| name.contains('/') && !name.contains(' '))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Edits the copy as a recipe says.
@@ -158,7 +175,9 @@ fn walk(copy: &Path, edits: &[Edit]) {
 fn put_before(copy: &Path, file: &str, line: &str, text: &str) {
     let path = copy.join(file);
     let old = std::fs::read_to_string(&path).expect("it is read");
-    let at = old.find(&format!("\n{line}")).unwrap_or_else(|| panic!("no {line:?} in {file}"));
+    let at = old
+        .find(&format!("\n{line}"))
+        .unwrap_or_else(|| panic!("no {line:?} in {file}"));
     let (before, after) = old.split_at(at + 1);
     std::fs::write(&path, [before, text, after].concat()).expect("written");
 }
@@ -166,22 +185,38 @@ fn put_before(copy: &Path, file: &str, line: &str, text: &str) {
 /// A copy of the source tree without what is built.
 fn copy() -> TempDir {
     let copy = tempfile::tempdir().expect("a folder");
-    let sources = ["Cargo.toml", "Cargo.lock", "CONTRIBUTING.md", "msgs", "services", "launch", "tests"];
+    let sources = [
+        "Cargo.toml",
+        "Cargo.lock",
+        "CONTRIBUTING.md",
+        "msgs",
+        "services",
+        "launch",
+        "tests",
+    ];
     let status = background("cp")
         .arg("-r")
         .args(sources.map(|name| workspace().join(name)))
         .arg(copy.path())
         .status();
-    assert!(status.expect("it starts").success(), "the sources are not copied");
+    assert!(
+        status.expect("it starts").success(),
+        "the sources are not copied"
+    );
     copy
 }
 
-/// Runs cargo in the copy. Its target folder stays for the next time.
-fn cargo(copy: &Path, arguments: &[&str]) -> Output {
+/// Where the copy is built, which stays for the next time.
+fn target() -> PathBuf {
+    binaries().join("recipes")
+}
+
+/// Runs cargo in the copy.
+fn cargo(copy: &Path, verb: &str, arguments: &[&str]) -> Output {
     background(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+        .args([verb, "--locked", "--target-dir"])
+        .arg(target())
         .args(arguments)
-        .args(["--locked", "--target-dir"])
-        .arg(binaries().join("recipes"))
         .envs([
             ("CARGO_PROFILE_DEV_OPT_LEVEL", "0"),
             ("CARGO_PROFILE_TEST_OPT_LEVEL", "0"),
@@ -219,25 +254,42 @@ fn the_files_that_a_recipe_lists_and_its_command_suffice() {
             assert!(is_listed, "{heading} does not list {file}: {listed:?}");
         }
     }
-    let seams = ["-p=zeronav-msgs", "-p=zeronav-global-planner", "-p=zeronav-local-planner"];
-    let tests = ["--no-default-features", "--lib", "--test=layout", "--test=planners", "--no-fail-fast", "--"];
-    let filters = ["every_topic_is_as_it_was", "readme::", "table::", "finds_the_way"];
-    let arguments: Vec<&str> = (["test"].into_iter().chain(seams)).chain(tests).chain(filters).collect();
+    let seams = [
+        "-p=zeronav-msgs",
+        "-p=zeronav-global-planner",
+        "-p=zeronav-local-planner",
+    ];
+    let tests = [
+        "--no-default-features",
+        "--lib",
+        "--test=layout",
+        "--test=planners",
+        "--no-fail-fast",
+        "--",
+    ];
+    let filters = ["every_topic_is_as_it_was", "readme::", "table::"];
+    let arguments = [&seams[..], &tests, &filters].concat();
 
     // The line of the layout is the one that its test prints.
-    let output = cargo(copy, &arguments);
+    let output = cargo(copy, "test", &arguments);
     let said = text(&output);
     let line = said.lines().find(|line| line.contains("robot/battery"));
     let line = line.unwrap_or_else(|| panic!("the layout's test prints no line:\n{said}"));
     put_before(copy, LAYOUT.0, LAYOUT.1, &format!("{line}\n"));
     assert!(listed(&contributing, "Add a topic").contains(LAYOUT.0));
-    let output = cargo(copy, &arguments);
+    let output = cargo(copy, "test", &arguments);
     assert!(output.status.success(), "{}", text(&output));
 
     // What the command of the recipe runs for the contract; the rest of it takes the whole workspace.
-    let output = cargo(copy, &["run", "-p=zeronav-msgs", "--example=bindings"]);
+    let arguments = [&seams[..], &["--no-default-features", "--example=bindings"]].concat();
+    let output = cargo(copy, "build", &arguments);
     assert!(output.status.success(), "{}", text(&output));
-    for file in ["services/python/zeronav/contract.py", "services/cpp/zeronav.hpp"] {
+    let bindings = background(target().join("debug/examples/bindings")).status();
+    assert!(bindings.expect("it starts").success());
+    for file in [
+        "services/python/zeronav/contract.py",
+        "services/cpp/zeronav.hpp",
+    ] {
         let bindings = std::fs::read_to_string(copy.join(file)).expect("it is read");
         assert!(bindings.contains("robot/battery"), "{file} lacks the topic");
     }
