@@ -20,6 +20,7 @@ use zeronav_msgs::run::RunMode;
 use zeronav_msgs::seats::Answers;
 use zeronav_msgs::topics::{ControlRequest, MapUpdate, RobotCommand};
 use zeronav_observe::statistics::percentile;
+use zeronav_supervise::own_time::Patience;
 
 /// Ticks in which latencies are measured, and how often at most: a busy machine may be in the way.
 const LATENCY_TICKS: u64 = 125;
@@ -40,11 +41,14 @@ const PAUSE: Duration = Duration::from_micros(150);
 /// Most that hostile messages may add to a program's own memory. [bytes]
 const GROWTH_BYTES_MAX: u64 = 16 << 20;
 
-/// How long a program may take to end when it is asked to: launch kills it then.
+/// Own time that a program may take to end when it is asked to: launch kills it then.
 const STOP_LIMIT: Duration = Duration::from_secs(2);
 
-/// How long it may take when launch is gone.
+/// Own time that it may take when launch is gone.
 const ORPHAN_LIMIT: Duration = Duration::from_millis(1600);
+
+/// What both may take by the clock, on a machine that has no time for it.
+const END_WALL_LIMIT: Duration = Duration::from_secs(15);
 
 /// Ticks of a drive before launch goes.
 const ORPHAN_TICKS: u64 = 50;
@@ -310,14 +314,15 @@ impl Play {
         self.bench.beats.last().map_or(0, |(_, beat)| beat.refused)
     }
 
+    fn pid(&self) -> u32 {
+        let child = self.bench.child.as_ref();
+        child.map_or(0, zeronav_supervise::Child::pid)
+    }
+
     /// Memory of the program's own. [bytes]
     fn memory_bytes(&self) -> u64 {
-        let pid = self
-            .bench
-            .child
-            .as_ref()
-            .map_or(0, zeronav_supervise::Child::pid);
-        let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+        let file = format!("/proc/{}/status", self.pid());
+        let status = std::fs::read_to_string(file).unwrap_or_default();
         let line = status
             .lines()
             .find_map(|line| line.strip_prefix("RssAnon:"));
@@ -328,10 +333,13 @@ impl Play {
 
     fn stop(&mut self) -> Result<String, String> {
         let started = Instant::now();
+        let mut patience = Patience::with(self.pid());
         self.bench.signal(Signal::TERM);
-        let ended = self.bench.wait(STOP_LIMIT, |bench| bench.ended().is_some());
+        let _ = self.bench.wait(END_WALL_LIMIT, |bench| {
+            bench.ended().is_some() || patience.is_over(STOP_LIMIT)
+        });
         let took_ms = started.elapsed().as_millis();
-        match self.bench.ended().filter(|_| ended) {
+        match self.bench.ended() {
             Some(status) if status.code() == Some(0) => {
                 Ok(format!("SIGTERM: exit code 0 after {took_ms} ms"))
             }
@@ -346,9 +354,13 @@ impl Play {
             self.step(Missing::Nothing);
         }
         self.bench.leave_launch();
-        let (started, limit) = (Instant::now(), ORPHAN_LIMIT);
+        let started = Instant::now();
+        let mut patience = Patience::with(self.pid());
         let mut ended = None;
-        while ended.is_none() && started.elapsed() < limit {
+        while ended.is_none()
+            && !patience.is_over(ORPHAN_LIMIT)
+            && started.elapsed() < END_WALL_LIMIT
+        {
             self.tick += 1;
             self.next = (self.next + Duration::from_nanos(TICK_NS)).max(Instant::now());
             self.bench
@@ -364,10 +376,7 @@ impl Play {
         let at_the_wheels = matches!(role, Role::LocalPlanner | Role::CollisionGuard);
         self.bench.close();
         match ended {
-            None => Err(format!(
-                "launch was gone, and it ran on for {} ms",
-                limit.as_millis()
-            )),
+            None => Err(format!("launch was gone, and it ran on for {took_ms} ms")),
             Some(status) if status.code() != Some(0) => Err(format!("launch was gone: {status}")),
             Some(_) if at_the_wheels && (v_mps.abs() > 0.02 || w_radps.abs() > 0.05) => {
                 Err(format!("it left the robot at {v_mps} m/s, {w_radps} rad/s"))
