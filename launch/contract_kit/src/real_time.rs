@@ -344,7 +344,7 @@ impl Play {
                 Ok(format!("SIGTERM: exit code 0 after {took_ms} ms"))
             }
             Some(status) => Err(format!("SIGTERM: {status}")),
-            None => Err("it did not end within 2 s of SIGTERM".to_owned()),
+            None => Err("it did not end within 2 s of its own time after SIGTERM".to_owned()),
         }
     }
 

@@ -23,6 +23,9 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// How long a stack may take to come to rest and end.
 const END_LIMIT: Duration = Duration::from_secs(15);
 
+/// The same for one that was asked and answers: its recorder alone may take 60 s to end its file.
+const DOWN_LIMIT: Duration = Duration::from_secs(75);
+
 /// `zeronav cancel`.
 #[must_use]
 pub fn cancel(arguments: &CancelArgs) -> ExitCode {
@@ -126,10 +129,10 @@ pub fn down(arguments: &StackArgs) -> ExitCode {
         }
         Err(problem) => return usage(&problem.text),
     };
-    if !stack.wait_until_gone(END_LIMIT) {
+    if !stack.wait_until_gone(DOWN_LIMIT) {
         complain(&format!(
             "{name} has not ended within {} s; see its log",
-            END_LIMIT.as_secs()
+            DOWN_LIMIT.as_secs()
         ));
         return end(arguments, &stack);
     }
